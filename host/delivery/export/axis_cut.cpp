@@ -15,7 +15,7 @@ namespace {
 constexpr int kBlock = 4;           // finest texels per side
 constexpr int kBinCount = 180;      // of a degree
 constexpr double kSharpness = 8.0;  // sharpness of an axis's influence around its angle: half at 17 degrees
-constexpr int kBlockRows = 256;     // most block rows of a map; enough for a histogram in steps of one degree
+constexpr int kBlockRows = 256;     // largest number of block rows; enough for a histogram in steps of one degree
 
 using Bins = std::array<double, kBinCount>;
 

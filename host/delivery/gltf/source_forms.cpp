@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kPicturedPixels = 250;  // of a picture
 constexpr int kFormRows = 64;
-// Lobes do not know the separate normals of a clearcoat. Evaluations for lobes would see them only at one point.
+// Lobes do not know the separate normals of a clearcoat. If evaluations are spent on lobes, these normals are evaluated
+// at one point only.
 constexpr const char* kClearcoatNormal = "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture";
 
 // Applies KHR_texture_transform. v grows upwards in meshes, downwards in glTF.

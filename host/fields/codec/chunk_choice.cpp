@@ -31,7 +31,8 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
   double least = cost(levels);
   for (std::size_t below = 1; below < levels.size();) {
     std::optional<ParameterPyramid::Halvings> best;
-    // Tries every level between the last chosen one and the finest, with each dimension anywhere between both.
+    // Tries every level between the last chosen one and the finest. Each dimension takes every number of halvings
+    // between both.
     ParameterPyramid::Halvings candidate(sizes.size(), 0);
     for (bool more = true; more;) {
       if (candidate != levels[below - 1] && candidate != levels[below]) {

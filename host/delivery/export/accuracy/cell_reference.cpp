@@ -57,7 +57,7 @@ std::vector<LightSet> empty_views(SplitMix64& random) {
   return views;
 }
 
-// Only lights above the surface count. A light below is hidden by the surface itself, for every mapped normal.
+// Only lights above the surface count. The surface itself hides lights below it, whatever the mapped normal is.
 bool is_lit(const glm::dvec3& view, const glm::dvec3& half, const glm::dvec3& light) {
   return light.z > 0.0 && glm::dot(view, half) > 1e-6;
 }

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Returns the texel on a repeating side of `size` texels.
+// Returns the index of a texel on a side of `size` texels that repeats.
 int wrapped(int texel, int size) {
   const int rest = texel % size;
   return rest < 0 ? rest + size : rest;

@@ -48,8 +48,8 @@ class ParameterPyramid {
   std::vector<std::size_t> samples_of(std::size_t image) const;
 
   /// Returns the level's images that add up to the sample. Without `linear` this is the nearest image. With `linear`
-  /// these are the images between whose cell centres the sample is, in each dimension; outside, only the outermost.
-  /// Weights sum to 1.
+  /// the sample is between the cell centres of these images, in each dimension. Outside the outermost centres it is
+  /// only the outermost image. Weights sum to 1.
   std::vector<Term> terms(std::size_t level, std::size_t sample, bool linear) const;
 
  private:

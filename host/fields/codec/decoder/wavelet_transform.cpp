@@ -58,8 +58,8 @@ void inverse_lines(PartedLines& parted) {
     step % 2 == 0 ? lift_odds(parted, -kSteps[step]) : lift_evens(parted, -kSteps[step]);
 }
 
-/// Transforms every row or column of the rectangle at the image's corner. Lines of one sample do not change. Samples
-/// are in their own order before a forward transform; afterwards the low halves come first.
+/// Transforms every row or column of the rectangle at the image's corner. Lines of one sample do not change. Before a
+/// forward transform, samples are in spatial order. Afterwards the low halves come first.
 template <bool kForward>
 void over_lines(std::span<float> image, std::size_t stride, std::size_t width, std::size_t height, bool rows) {
   const std::size_t length = rows ? width : height, count = rows ? height : width, low = (length + 1) / 2;

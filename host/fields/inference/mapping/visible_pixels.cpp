@@ -37,7 +37,7 @@ glm::dvec2 to_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   return glm::dvec2(p) / p.z;
 }
 
-// Texture coordinates are floats. An area below the rounding error of a line counts as no area.
+// Texture coordinates are floats. An area that the rounding of a line could cause counts as zero.
 bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   constexpr double kRounding = 0x1.0p-22;  // four times half a unit in the last place
   double side = 0.0, size = 0.0;
