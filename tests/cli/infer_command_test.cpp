@@ -83,7 +83,7 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
   for (const auto& row : report["comparison"]["rows"]) ground[row["name"]] = row["mse"]["ground"];
   EXPECT_EQ(ground.size(), 14u);
   for (const std::string name :
-       {"trilinear, one sample a pixel", "anisotropic, one sample a pixel", "trilinear, 4 x 4 sub-pixels"})
+       {"trilinear, one sample per pixel", "anisotropic, one sample per pixel", "trilinear, 4 x 4 sub-pixels"})
     EXPECT_LT(ground.at(name), 0.5 * ground.at("forward mapping, " + name)) << name;
 }
 
@@ -261,7 +261,7 @@ TEST_F(InferCommandTest, AnObjectThatIsNeverSeenIsSaidAndLeftOut) {
   write_scene(scene);
   const ProgramResult result = infer({"--no-frames", "--no-comparison"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  expect_says(result.err, {"'hidden'", "in no picture"});
+  expect_says(result.err, {"no picture shows", "'hidden'"});
   EXPECT_FALSE(fs::exists(path("out/textures/hidden")));
 }
 

@@ -298,7 +298,7 @@ const steps = {
     const report = pathToFileURL(path.join(folder, "out", "report.html")).href;
     const page = await openPage(report);
     await page.getByText("Open the player").click();
-    await page.getByText("There is no player.html beside this page yet").waitFor();
+    await page.getByText("This page's folder has no player.html yet").waitFor();
     await close(page);
     await copyFile(path.join(folder, "page.html"), path.join(folder, "out", "player.html"));
     const other = await openPage(report);

@@ -12,14 +12,14 @@
 namespace multum {
 namespace {
 
-constexpr int kBlock = 4;           // finest texels a side
+constexpr int kBlock = 4;           // finest texels per side
 constexpr int kBinCount = 180;      // of a degree
-constexpr double kSharpness = 8.0;  // of how an axis counts around itself: half as much 17 degrees off
-constexpr int kBlockRows = 256;     // of a map, at most: enough for a histogram of a degree
+constexpr double kSharpness = 8.0;  // sharpness of an axis's influence around its angle: half at 17 degrees
+constexpr int kBlockRows = 256;     // largest number of block rows; enough for a histogram in steps of one degree
 
 using Bins = std::array<double, kBinCount>;
 
-// The axis of larger variance of a block's normals, x and y, weighed by how much larger it is.
+// Adds the axis of larger variance of a block's normals (x and y). Its weight is the difference of both variances.
 void add_block(const std::vector<float>& x, const std::vector<float>& y, std::size_t width, std::size_t first,
                Bins& bins) {
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
@@ -50,8 +50,8 @@ double find_axis_cut(const PlaneStore& normals) {
     normals.read_rows(row * kBlock, kBlock, {x.data(), y.data(), z.data()});
     for (std::size_t column = 0; column + kBlock <= width; column += kBlock) add_block(x, y, width, column, bins);
   }
-  // Each axis counts around itself, everywhere a little, so that the least is in the middle of an empty stretch. Of no
-  // axis at all, straight down, so that axes point right.
+  // Each axis has a small influence at all angles, so that the minimum is in the middle of an empty range. Without any
+  // axis the cut points straight down and all axes point right.
   double least = -1.0;
   int cut = kBinCount / 2;
   for (int i = 0; i < kBinCount; ++i) {
@@ -67,7 +67,7 @@ double find_axis_cut(const PlaneStore& normals) {
 }
 
 glm::vec2 signed_axis(glm::vec2 axis, double cut) {
-  // Left of the direction of the cut lies what is between it and itself turned by pi.
+  // The half plane to the left of the cut's direction is between `cut` and `cut` + pi.
   const double left = std::cos(cut) * static_cast<double>(axis.y) - std::sin(cut) * static_cast<double>(axis.x);
   return left < 0.0 ? -axis : axis;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses signs of axes. An axis of anisotropy has no sign, but textures hold a direction: filtered between two
-// texels of opposite signs, the axis is lost. So all directions of a map, of all its levels, lie in one half plane,
-// whose border is where the fewest axes are.
+// Chooses signs of anisotropy axes. An axis has no sign, but textures store a direction. Filtering between two texels
+// of opposite signs would lose the axis. All directions of a map and its levels are therefore in one half plane. The
+// border of the half plane is at the angle with the fewest axes.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -10,11 +10,11 @@
 
 namespace multum {
 
-/// The angle, 0 to pi, at which the fewest axes of the map lie: of blocks of 4 x 4 normals, weighed by their
+/// Returns the angle, 0 to pi, with the fewest axes of the map. Axes are of blocks of 4 x 4 normals, weighted by their
 /// anisotropy.
 double find_axis_cut(const PlaneStore& normals);
 
-/// The axis with the sign that puts it between `cut` and `cut` + pi.
+/// Returns the axis with the sign that puts it between `cut` and `cut` + pi.
 glm::vec2 signed_axis(glm::vec2 axis, double cut);
 
 }  // namespace multum

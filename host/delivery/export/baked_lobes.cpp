@@ -27,11 +27,11 @@ void check_has_lobes(const std::string& path, const BakedHeader& header) {
     refuse_baked(path, fmt::format("holds {}", representation_info(header.representation).name),
                  "a file of lobes (multum bake --ndf vmf or gmm), or the map that was baked");
   if (header.has_roughness)
-    refuse_baked(path, "has a roughness map in the lengths of its normals, and what both were cannot be told apart",
+    refuse_baked(path, "has normals whose lengths include a roughness map, which cannot be separated again",
                  "a file of multum bake without --roughness, or the map that was baked");
 }
 
-// What level 0 stores of a normal, with the length 1.
+// Returns a stored normal of level 0, scaled to length 1.
 glm::vec3 unit_normal(const glm::vec3& stored, Representation representation) {
   const glm::vec3 normal = lobe_family(representation).normal_of_finest(stored, false);
   return normal / glm::length(normal);
@@ -46,15 +46,15 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
   check_has_lobes(path, header);
   if (header.first_level > 0)
     refuse_baked(path,
-                 fmt::format("holds no levels finer than {}, and so not the normals themselves", header.first_level),
+                 fmt::format("holds no levels finer than {}, so the map's normals are missing", header.first_level),
                  "a file of multum bake --first-level 0, or the map that was baked");
   MovmfReader reader(path);
   NormalMapRows map{make_plane_store(header.width, header.height, spill), {}};
-  map.report.format = fmt::format("baked file, {} lobes a texel, {}", reader.header().lobe_count(),
+  map.report.format = fmt::format("baked file, {} lobes per texel, {}", reader.header().lobe_count(),
                                   storage_encoding_name(header.encoding));
   map.report.encoding = "normals of level 0";
   map.report.encoding_reason =
-      fmt::format("each of its texels is the normal of {} there", header.provenance.source_name);
+      fmt::format("each texel has the normal of {} at this place", header.provenance.source_name);
   map.report.wrap_s = header.wrap_s;
   map.report.wrap_t = header.wrap_t;
   std::vector<float> x, y, z;
@@ -69,9 +69,9 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
       const glm::vec3 n = unit_normal(finest.normals[i], header.representation);
       if (!std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z))
         refuse_baked(path,
-                     fmt::format("texel ({}, {}) of level 0 is no direction", i % size_of(header.width),
+                     fmt::format("texel ({}, {}) of level 0 is not a direction", i % size_of(header.width),
                                  size_of(row) + i / size_of(header.width)),
-                     "finite normals; multum verify says what else is damaged");
+                     "finite normals; multum verify lists other damage");
       x[i] = n.x, y[i] = n.y, z[i] = n.z;
     }
     map.normals.write_rows(row, count, {x.data(), y.data(), z.data()});
@@ -84,12 +84,12 @@ BakedLobes::BakedLobes(const std::string& path, const std::vector<int>& levels) 
   check_has_lobes(path, header);
   const RepresentationInfo& info = representation_info(header.representation);
   if (!info.has_kappa)
-    refuse_baked(path, fmt::format("holds {}, which no formula for GGX is known for", info.contents),
+    refuse_baked(path, fmt::format("holds {}, which GGX has no formula for", info.contents),
                  "vMF lobes (multum bake --ndf vmf)");
   for (const int level : levels)
     if (level < header.first_level)
       refuse_baked(path, fmt::format("holds no levels finer than {}", header.first_level),
-                   fmt::format("one with level {}, whose error is measured", level));
+                   fmt::format("a file with level {}, whose error is measured", level));
 }
 
 std::string BakedLobes::name() const {

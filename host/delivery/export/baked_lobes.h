@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file beside an export: the normal map that its finest level holds, and the highlight of its lobes, which one
-// lobe a texel is compared with.
+// Reads a baked file for an export: the normal map in its finest level, and the highlights of its lobes. The exported
+// lobes are compared with these highlights.
 #pragma once
 
 #include <string>
@@ -19,37 +19,39 @@
 
 namespace multum {
 
-/// Is it a baked file by its name, NAME.ndf.exr?
+/// Returns whether the file name marks a baked file: NAME.ndf.exr.
 bool is_baked_name(const std::string& path);
 
-/// The normals of a baked file's level 0, which are the map's to 16 bits, or whole in files of floats. Throws
-/// Error(kInput) for a file without lobes or without level 0, or with roughness in its normals' lengths.
+/// Returns the normals in level 0 of a baked file. They equal the map's normals to 16 bits, or exactly in files of
+/// floats. Throws Error(kInput) if the file has no lobes or no level 0, or if the lengths of its normals hold
+/// roughness.
 NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spill, Progress* progress);
 
-/// Lobes of single texels.
+/// Reads the lobes of single texels.
 class BakedLobes {
  public:
-  /// Throws Error(kInput) for a file that has no vMF lobes, has roughness in them, or lacks a level of `levels`.
+  /// Throws Error(kInput) if the file has no vMF lobes, has roughness in them, or lacks one of `levels`.
   BakedLobes(const std::string& path, const std::vector<int>& levels);
 
   int width() const { return reader_.header().width(); }
   int height() const { return reader_.header().height(); }
   std::string surface() const { return baked_surface(reader_.header().header); }
-  /// SHA-256 of the map's file that was baked.
+  /// Returns the SHA-256 of the map file that was baked.
   const std::string& source_hash() const { return reader_.header().header.provenance.file_hash(); }
   int count() const { return reader_.header().lobe_count(); }
-  /// "4 baked lobes".
+  /// Returns a name such as "4 baked lobes".
   std::string name() const;
-  /// All texels of a level that the file has.
+  /// Returns all texels of a stored level.
   MovmfLevel level(int level) { return reader_.read_level(level, 0, reader_.header().levels[size_of(level)].height); }
-  /// (a r, a), one a lobe. From one thread at a time.
+  /// Returns (a r, a) of each lobe. Call from one thread at a time.
   std::vector<glm::dvec4> texel(int level, int x, int y);
 
  private:
   MovmfReader reader_;
 };
 
-/// D V (n . l) of a texel's lobes as renderers draw them (host/formats/brdf/ggx_lobe_specular.h), light by light.
+/// Computes D V (n . l) of a texel's lobes for each light, as renderers draw them
+/// (host/formats/brdf/ggx_lobe_specular.h).
 void lobe_highlights(const LightSet& lights, const std::vector<glm::dvec4>& lobes, double alpha,
                      std::vector<double>& values);
 

@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// Bits from the lowest of the first byte on.
+// Reads bits from the lowest bit of the first byte on.
 class BitReader {
  public:
   explicit BitReader(const std::uint8_t* bytes) : bytes_(bytes) {}
@@ -30,7 +30,7 @@ class BitReader {
 constexpr unsigned kPartitionMasks[] = MULTUM_BC7_PARTITION_MASKS;
 constexpr int kAnchors[] = MULTUM_BC7_ANCHORS;
 
-// 64ths of the way, by bits of an index.
+// Returns the interpolation weight of an index in 64ths.
 int index_weight(int index, int bit_count) {
   static constexpr int kTwo[] = {0, 21, 43, 64};
   static constexpr int kThree[] = {0, 9, 18, 27, 37, 46, 55, 64};
@@ -40,7 +40,7 @@ int index_weight(int index, int bit_count) {
 
 int interpolated(int low, int high, int weight) { return ((64 - weight) * low + weight * high + 32) >> 6; }
 
-// To 8 bits, by the highest bits again.
+// Widens a value to 8 bits by repeating its highest bits.
 int widened(int value, int bit_count) { return (value << (8 - bit_count)) | (value >> (2 * bit_count - 8)); }
 
 using Indices = std::array<int, 16>;

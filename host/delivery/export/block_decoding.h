@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes blocks of 4 x 4 texels as kernels/block_encoding.cl makes them: BC4, BC5, and of BC7 the modes 1, 4, 5 and 6
-// (Khronos Data Format Specification 1.3, chapters 18 and 20). So that errors are measured of what is stored.
+// Decodes blocks of 4 x 4 texels as kernels/block_encoding.cl makes them: BC4, BC5, and modes 1, 4, 5 and 6 of BC7
+// (Khronos Data Format Specification 1.3, chapters 18 and 20). Errors are then measured on the stored values.
 #pragma once
 
 #include <array>
@@ -12,10 +12,12 @@
 
 namespace multum {
 
-/// Row by row; red, green, blue, alpha from 0 to 1, as shaders see them: 0, 0 and 1 where there are no such channels.
+/// Texels row by row: red, green, blue, alpha from 0 to 1, as shaders see them. Missing channels are green 0, blue 0
+/// and alpha 1.
 using BlockTexels = std::array<glm::vec4, 16>;
 
-/// `format`: one of blocks; `block`: block_bytes of it. Modes that are not ours stop the program.
+/// Decodes one block. `format`: a block format; `block`: its block_bytes bytes. BC7 modes other than 1, 4, 5 and 6 stop
+/// the program.
 BlockTexels decode_block(TexelFormat format, const std::uint8_t* block);
 
 }  // namespace multum

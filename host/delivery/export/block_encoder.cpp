@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSide = 4;
 
-// Channels that a format's blocks have values of, each 16 in a row.
+// Returns the number of channels per block. Each channel is 16 values in a row.
 int value_channels(TexelFormat format) {
   switch (format) {
     case TexelFormat::kBc4: return 1;

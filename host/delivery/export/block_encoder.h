@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// What BC7 stores; the fourth channel is 1.
+/// The channels that BC7 stores. The fourth channel is 1.
 enum class BlockColour {
   kRgb,  // red, green and blue
   kRga,  // red, green and alpha
@@ -22,9 +22,9 @@ class BlockEncoder {
  public:
   explicit BlockEncoder(Device& device) : device_(device) {}
 
-  /// Rows of blocks of `texels`, row_count rows of `width`, values from 0 to 1; sides that are no multiples of 4 are
-  /// filled up by repeating the last texel. BC4 takes red, BC5 red and green, BC7 what `colour` says.
-  /// Throws Error(kEnvironment) when the device refuses.
+  /// Encodes `texels`, row_count rows of `width` values from 0 to 1, as rows of blocks. Sides that are not multiples of
+  /// 4 are padded with the last texel. BC4 stores red, BC5 red and green, BC7 the channels of `colour`. Throws
+  /// Error(kEnvironment) if the device fails.
   std::vector<std::uint8_t> encode(TexelFormat format, int width, int row_count, const std::vector<glm::vec4>& texels,
                                    BlockColour colour = BlockColour::kRgb);
 

@@ -12,7 +12,7 @@ std::vector<std::string> engines_that_fail(MaterialFormat format, MaterialTexels
       return {"Babylon.js", "PlayCanvas", "Filament", "Unreal", "Godot 3", "Blender"};
     case MaterialFormat::kDds: break;
   }
-  // DDS files with a DX10 header.
+  // These engines fail on DDS files with a DX10 header.
   if (texels == MaterialTexels::kRgba16f) return {"three.js", "PlayCanvas", "Filament", "Blender"};
   if (texels == MaterialTexels::kBlocks) return {"three.js", "Babylon.js", "PlayCanvas", "Filament"};
   return {"three.js", "Babylon.js", "PlayCanvas", "Filament", "Blender"};
@@ -24,9 +24,9 @@ std::string engine_line(MaterialFormat format, MaterialTexels texels, const std:
   std::string line = "known not to load: ";
   for (std::size_t i = 0; i < engines.size(); ++i) line += (i > 0 ? ", " : "") + engines[i];
   if (format == MaterialFormat::kKtx2 && texels != MaterialTexels::kUastc)
-    line += " (the first three, some without a message, take " + uastc + " only)";
+    line += " (some show no message; the first three load only files of " + uastc + ")";
   else if (format == MaterialFormat::kDds)
-    line += " (some without a message; the web takes --format ktx2 " + uastc + ")";
+    line += " (some show no message; web engines load --format ktx2 " + uastc + ")";
   return line;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names the engines that are known not to load an export's files. Some say nothing and draw without the texture.
+// Names the engines that are known not to load an export's files. Some engines draw without the texture and report
+// nothing.
 #pragma once
 
 #include <string>
@@ -9,12 +10,12 @@
 
 namespace multum {
 
-/// Names of engines that refuse such files, or show nothing for them; sources and versions are in
-/// docs/evidence/EXPORT.md. Empty: none is known.
+/// Returns the names of engines that refuse such files or draw nothing for them. Sources and versions are in
+/// docs/evidence/EXPORT.md. Empty: no such engine is known.
 std::vector<std::string> engines_that_fail(MaterialFormat format, MaterialTexels texels);
 
-/// The same as one line with a way out, without a newline; empty: none is known. `uastc`: the option that asks for
-/// UASTC.
+/// Returns these names as one line of text with a remedy, without a newline. Empty: no such engine is known. `uastc`:
+/// the option that selects UASTC.
 std::string engine_line(MaterialFormat format, MaterialTexels texels, const std::string& uastc);
 
 }  // namespace multum

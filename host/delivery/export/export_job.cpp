@@ -28,7 +28,8 @@ namespace {
 MaterialFolderSettings output_of(const ExportJob& job) {
   const ExportPlace name = export_place(job.output);
   if (name.format && job.format && *name.format != *job.format)
-    throw Error(ErrorCode::kUsage, job.output + ": --format names another kind of file than the output's name does");
+    throw Error(ErrorCode::kUsage,
+                job.output + ": --format and the output's name disagree about the file type; expected one file type");
   MaterialFolderSettings settings;
   settings.folder = name.folder;
   settings.name_prefix = name.stem.empty() ? "" : name.stem + "_";
@@ -37,10 +38,10 @@ MaterialFolderSettings output_of(const ExportJob& job) {
       job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
   if (!can_store(settings.format, settings.texels))
     throw Error(ErrorCode::kUsage,
-                "--texels: PNG files are of 8 bits a channel, EXR files of half floats, and DDS files hold no UASTC; "
-                "expected a KTX2 or DDS file for any other (--format ktx2, --format dds), KTX2 for uastc");
+                "--texels: PNG files have 8 bits per channel, EXR files have half floats, and DDS files cannot hold "
+                "UASTC; expected KTX2 or DDS for other texels (--format ktx2, --format dds), and KTX2 for uastc");
   if (job.zstd_level > 0 && settings.format != MaterialFormat::kKtx2)
-    throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files can be compressed so (--format ktx2)");
+    throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files support this compression; add --format ktx2");
   settings.zstd_level = job.zstd_level;
   settings.has_anisotropy = job.lobe.is_anisotropic;
   settings.has_roughness_alone = job.has_roughness_alone;
@@ -52,18 +53,20 @@ MaterialFolderSettings output_of(const ExportJob& job) {
 void check_export_job(const ExportJob& job) {
   validate(job.lobe);
   if (job.lobe.is_anisotropic && job.form.value_or(MaterialForm::kOneLobe) != MaterialForm::kOneLobe)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--form: found {}, expected one-lobe with --anisotropy: other forms have no direction",
-                            choice_name(kMaterialForms, *job.form)));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--form: found {}, expected one-lobe with --anisotropy, because other forms have no direction",
+                    choice_name(kMaterialForms, *job.form)));
   check_paths_differ(input_files(job), {job.report});
   if (!job.report.empty()) check_writable(job.report);
   std::error_code error;
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
-    throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
+    throw Error(ErrorCode::kEnvironment,
+                job.scratch_folder + ": is not a folder; expected an existing folder for scratch files");
 }
 
-// For what passes between this program and the encoder of UASTC, in `folder`; null: no UASTC is asked for. Refuses
-// where there is no encoder, before anything is read.
+// Makes a folder in `folder` for files that this program exchanges with the UASTC encoder. Returns null if the job does
+// not use UASTC. Fails before any input is read if the encoder is missing.
 std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
                                               MaterialFolderSettings& output) {
   if (output.texels != MaterialTexels::kUastc) return nullptr;
@@ -73,7 +76,7 @@ std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::s
   return made;
 }
 
-// Null where the job is not to be resumed, or another process exports to the same place.
+// Returns null if the job is not resumable, or if another process exports to the same place.
 std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
@@ -142,8 +145,8 @@ ExportPlace export_place(const std::string& output) {
     if (extension == other)
       throw Error(ErrorCode::kUsage,
                   output +
-                      ": is a name of one file, expected a folder, NAME.ktx2 or NAME.dds: a material is several "
-                      "textures; --format says of which kind");
+                      ": is the name of a single file; expected a folder, NAME.ktx2 or NAME.dds, because a material "
+                      "has several textures. Use --format to choose their file type");
   if ((extension != ".ktx2" && extension != ".dds") || std::filesystem::is_directory(path, error))
     return {output, "", std::nullopt};
   const std::string folder = path.parent_path().string();

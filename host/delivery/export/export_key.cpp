@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// An optional's value, or null.
+// Returns the value of an optional, or null.
 template <typename Value>
 Json json_of(const std::optional<Value>& value) {
   return value ? Json(*value) : Json();
@@ -37,9 +37,9 @@ Json fit_key(const ExportJob& job, const std::function<std::string(const std::st
   if (reading.tiles != nullptr) key["tile"] = reading.tile;
   if (job.surface == MapSurface::kInterpolated) key["surface"] = map_surface_name(job.surface);
   ExportJob made_of = job;
-  made_of.lobes.clear();  // compared with, and no more
+  made_of.lobes.clear();  // lobes are only compared with
   for (const std::string& file : input_files(made_of)) key["inputs"].push_back(hash(file));
-  // Which channel of them.
+  // Adds the channel of each map.
   for (const std::string& named : {job.roughness, job.occlusion, job.metalness})
     key["channels"].push_back(named.empty() ? Json() : Json(parse_channel_file(named).channel));
   return key;

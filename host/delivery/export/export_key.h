@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists what the bytes of an export depend on, to tell whether what is there is still of the same map and settings.
+// Lists everything that an export's bytes depend on. The list tells whether existing files are of the same map and
+// settings.
 #pragma once
 
 #include <functional>
@@ -10,10 +11,10 @@
 
 namespace multum {
 
-/// Everything that decides a fit: this program, the files that it reads by `hash`, and the settings of the lobe.
+/// Returns everything that decides a fit: this program, the hashes of the files that it reads, and the lobe settings.
 nlohmann::json fit_key(const ExportJob& job, const std::function<std::string(const std::string&)>& hash);
 
-/// Everything that decides a byte of the files. Throws Error(kInput) when a file cannot be read.
+/// Returns everything that decides the bytes of the files. Throws Error(kInput) if a file cannot be read.
 nlohmann::json export_key(const ExportJob& job);
 
 }  // namespace multum

@@ -22,26 +22,27 @@ LobeMaterialFiles material_files_of(const ExportJob& job) {
   return files;
 }
 
-// The lobes that are measured beside the export. Of an input that has none of vMF, or starts at another level, there
-// are none; a file that was named for it has to have them.
+// Returns the lobes that are measured together with the export. If the input has no vMF lobes or begins at another
+// level, there are none. A file that the job names explicitly must have them.
 std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMapRows& map, InputHashes& hashes) {
   if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
   if (job.lobes.empty()) {
-    if (job.surface == MapSurface::kInterpolated) return nullptr;  // its lobes are of the texels
+    // The lobes are of the texels, not of the surface between them.
+    if (job.surface == MapSurface::kInterpolated) return nullptr;
     if (!representation_info(read_baked_header(job.input).representation).has_kappa) return nullptr;
     return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);
   }
   auto lobes = std::make_unique<BakedLobes>(job.lobes, job.accuracy.levels);
   if (lobes->surface() != map_surface_name(job.surface))
-    throw Error(ErrorCode::kInput, fmt::format("{}: was baked with --surface {}, expected {} as this export has it",
+    throw Error(ErrorCode::kInput, fmt::format("{}: was baked with --surface {}, expected {} as in this export",
                                                job.lobes, lobes->surface(), map_surface_name(job.surface)));
   const int width = map.normals.width(), height = map.normals.height();
   if (lobes->width() != width || lobes->height() != height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: was baked from a map of {} x {} texels, expected {} x {} as {} has",
+    throw Error(ErrorCode::kInput, fmt::format("{}: was baked from a map of {} x {} texels, expected {} x {} as in {}",
                                                job.lobes, lobes->width(), lobes->height(), width, height, job.input));
   if (!is_baked_name(job.input) && lobes->source_hash() != hashes.hash(job.input))
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: was baked from another map than {}; expected a bake of it", job.lobes, job.input));
+                fmt::format("{}: was baked from another map; expected a bake of {}", job.lobes, job.input));
   return lobes;
 }
 
@@ -72,7 +73,7 @@ OneLobeInputs ExportSource::inputs(const ExportJob& job) const {
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
   auto hashes = std::make_unique<InputHashes>();
   for (const std::string& file : input_files(job)) hashes->note(file);
-  // Half is the fit's; of normals, surface and material each has as much of the other.
+  // Half of the memory is for the fit. Normals, surface and material share the other half.
   const bool has_surface = job.surface == MapSurface::kInterpolated;
   const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
                              static_cast<std::int64_t>(job.memory_bytes / (has_surface ? 6 : 4))};

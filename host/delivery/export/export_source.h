@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads what an export is made of: the normals of its map or baked file, the maps beside them, and lobes to compare
-// with.
+// Reads the inputs of an export: the normals of its map or baked file, the other maps, and lobes to compare with.
 #pragma once
 
 #include <memory>
@@ -16,19 +15,19 @@ namespace multum {
 
 struct ExportSource {
   NormalMapRows map;
-  std::optional<PlaneStore> surface;  // of MapSurface::kInterpolated
+  std::optional<PlaneStore> surface;  // only for MapSurface::kInterpolated
   std::optional<LobeMaterial> material;
   std::unique_ptr<BakedLobes> lobes;    // null: none to compare with
-  std::unique_ptr<InputHashes> hashes;  // of its files, noted before they were read
+  std::unique_ptr<InputHashes> hashes;  // hashes of the input files, computed before reading
 
-  /// They look at the source, which must outlive them.
+  /// The result points into the source, which must outlive it.
   OneLobeInputs inputs(const ExportJob& job) const;
-  /// Levels from 1 on are fitted to these.
+  /// Levels 1 and coarser are fitted to these normals.
   const PlaneStore& fitted_normals() const { return surface ? *surface : map.normals; }
 };
 
-/// `folder`: for what does not fit in memory, unless the job names one. Throws Error(kInput) for files that cannot be
-/// used, Cancelled. Notes what was found in the log.
+/// Reads all inputs and logs what they contain. `folder`: for data that does not fit in memory, unless the job names a
+/// folder. Throws Error(kInput) for unusable files, Cancelled.
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress);
 
 }  // namespace multum

@@ -12,14 +12,14 @@
 namespace multum {
 namespace {
 
-// Bits of x and y, x's lowest first, one after another.
+// Interleaves the bits of x and y, beginning with the lowest bit of x.
 std::uint32_t interleaved_bits(std::uint32_t x, std::uint32_t y) {
   std::uint32_t code = 0;
   for (std::uint32_t bit = 0; bit < 16; ++bit) code |= (x >> bit & 1u) << (2 * bit) | (y >> bit & 1u) << (2 * bit + 1);
   return code;
 }
 
-// The two components of the (0, 2)-sequence: van der Corput's, and Sobol's.
+// The first component of the (0, 2)-sequence is van der Corput's sequence, the second is Sobol's.
 double van_der_corput(std::uint32_t n) {
   double value = 0.0, digit = 0.5;
   for (; n != 0; n >>= 1, digit *= 0.5) value += (n & 1u) != 0 ? digit : 0.0;
@@ -33,8 +33,8 @@ double sobol(std::uint32_t n) {
   return static_cast<double>(value) * 0x1p-32;
 }
 
-// The alpha of maximum likelihood of slopes about 0, isotropic: 1 = mean of w |x|^2 / 2 with w = 4 / (2 + |x|^2 / s),
-// s = alpha^2 / 2. The right side falls with s.
+// Returns the maximum-likelihood alpha of isotropic slopes with mean 0: 1 = mean of w |x|^2 / 2 with
+// w = 4 / (2 + |x|^2 / s), s = alpha^2 / 2. The right side falls with s.
 double likeliest_alpha(const std::vector<glm::dvec2>& slopes) {
   double low = 1e-3, high = 1e3;
   for (int i = 0; i < 200; ++i) {

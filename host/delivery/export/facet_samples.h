@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places and facets with which one lobe is fitted to a texel (kernels/one_lobe.cl): a grid of places, evenly spread
-// over what the texel covers, and at each the slope of one facet of GGX.
+// Makes the sample places and facets to which one lobe per texel is fitted (kernels/one_lobe.cl). The places form a
+// grid that covers the texel evenly. Each place has the slope of one GGX facet.
 #pragma once
 
 #include <vector>
@@ -9,23 +9,24 @@
 
 namespace multum {
 
-/// Samples along a side of a texel of this level, a power of two: as many places as a level of even sides has texels
-/// below it, and never fewer than 8 nor more than 32. Of five real maps, base roughness 0.1 and 0.25: 16 instead of 8
-/// lower the error at level 2 by 0.4 points of 54 on average, 4 raise it by 5; 16 instead of 32 raise that of level 6
-/// by 0.6 of 65.
+/// Returns the samples along a texel's side at this level, a power of two from 8 to 32. A texel has as many samples as
+/// it covers texels of the finest level, if all sides are even. Measured on five real maps at base roughness 0.1 and
+/// 0.25: 16 samples instead of 8 lower the mean error of level 2 by 0.4 points of 54, and 4 samples raise it by 5
+/// points. At level 6, 16 samples instead of 32 raise the error by 0.6 points of 65.
 int sample_grid(int level);
 
-/// Slopes of facets of GGX of alpha 1 about their normal, grid * grid, row by row of the grid. `grid`: a power of two
+/// Returns slopes of GGX facets of alpha 1 about their normal: grid * grid slopes, row by row. `grid`: a power of two
 /// from 1 to 64.
 ///
-/// Neighbours on the grid have facets that are far apart: those of any aligned square of 2 x 2, 4 x 4, ... samples,
-/// which lie in one finest texel or a few, are spread evenly over the distribution by themselves. Such are the points
-/// of a (0, 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient multidimensional sampling",
-/// section 3.1), mapped to slopes by tan theta = sqrt(u / (1 - u)). They are scaled, by some 1 %, so that the maximum
-/// likelihood of all of them is alpha = 1: a texel of one normal keeps its roughness.
+/// Neighbours on the grid have very different facets. Every aligned square of 2 x 2, 4 x 4, ... samples covers the
+/// distribution evenly, because such a square covers one or a few finest texels. The slopes are points of a (0,
+/// 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient multidimensional sampling", section
+/// 3.1), mapped by tan theta = sqrt(u / (1 - u)). A scale of about 1 % makes the maximum-likelihood alpha of all slopes
+/// exactly 1: a texel with a single normal keeps its roughness.
 std::vector<glm::vec2> facet_samples(int grid);
 
-/// Row or column of the finest level, `fine` texels long, of sample `sample` of texel `texel` of a level of `coarse`.
+/// Returns the row or column of the finest level for sample `sample` of texel `texel`. The finest level is `fine`
+/// texels long and the texel's level `coarse` texels.
 inline int sample_place(int texel, int sample, int grid, int coarse, int fine) {
   const long long halves = 2LL * (static_cast<long long>(texel) * grid + sample) + 1;
   return static_cast<int>(halves * fine / (2LL * grid * coarse));

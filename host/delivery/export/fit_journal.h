@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the rows that an export has fitted in a hidden folder beside its output, so that one that was stopped is
-// resumed. Averages of the map are made anew: fits take most of the time.
+// Keeps the fitted rows of an export in a hidden folder next to its output, so that a stopped export can resume.
+// Averages of the map are computed again: fits take most of the time.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,26 @@ namespace multum {
 
 class FitJournal {
  public:
-  /// Of the export of `output`; `key`, a line, stands for everything that fits depend on. Rows of the same key are
-  /// kept, anything else is removed. Null while another process exports to the same output. Throws
-  /// Error(kEnvironment).
+  /// Opens the journal of the export to `output`. `key` is one line that stands for everything that fits depend on.
+  /// Rows with the same key are kept; all others are removed. Returns null while another process exports to the same
+  /// output. Throws Error(kEnvironment).
   static std::unique_ptr<FitJournal> open(const std::string& output, const std::string& key);
   FitJournal(const FitJournal&) = delete;
   FitJournal& operator=(const FitJournal&) = delete;
 
-  /// Fills `fitted`, all planes of so many rows of a level, with what a run before this one has added of just these.
-  /// False: there is none.
+  /// Fills `fitted` with all planes of these rows if an earlier run stored exactly these rows. Returns false if none
+  /// did.
   bool find(int level, int first_row, int width, int height, std::vector<float>& fitted);
   /// Throws Error(kEnvironment).
   void add(int level, int first_row, int width, int height, const std::vector<float>& fitted);
 
-  /// The folder stays when this is destroyed: the export was stopped and may go on.
+  /// Keeps the folder when this object is destroyed, so that the stopped export can resume.
   void leave() { journal_->leave(); }
-  /// Rows that find() has found.
+  /// Returns how many rows find() has found.
   std::uint64_t rows_resumed() const { return rows_resumed_; }
 
  private:
-  // Of a record's floats.
+  // The position of a record's floats.
   struct Place {
     std::uint64_t offset;
     std::uint32_t width, height;
@@ -44,7 +44,7 @@ class FitJournal {
   FitJournal() = default;
 
   std::unique_ptr<RecordJournal> journal_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Place> found_;  // by level and first row
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Place> found_;  // places by level and first row
   std::uint64_t rows_resumed_ = 0;
 };
 

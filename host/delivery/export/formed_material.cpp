@@ -21,10 +21,10 @@ namespace {
 
 constexpr std::size_t kPixelsPerView = 140;
 constexpr int kRowsAtOnce = 64;
-constexpr double kColour = 0.5;      // of the base: an export has none
-constexpr float kMeanLeast = 0.01f;  // of a mean's length: of shorter ones only rounding is left
+constexpr double kColour = 0.5;      // base colour; exports have none
+constexpr float kMeanLeast = 0.01f;  // shortest usable mean; shorter ones are only rounding errors
 
-// A texture of which each texel is asked for.
+// A texture that computes each texel on request.
 class AskedTexture : public SharesTexture {
  public:
   using Ask = std::function<glm::dvec4(int level, int x, int y)>;
@@ -39,7 +39,7 @@ glm::dvec4 shares_of(const std::array<float, 3>& normal, double alpha) {
   return {0.5 + 0.5 * glm::dvec3(normal[0], normal[1], normal[2]), alpha};
 }
 
-// Levels from 1 on, until they have a form; level 0 goes on at once.
+// Holds levels 1 and coarser until they have a form. Passes level 0 on at once.
 class WaitingMaterial : public MaterialSink {
  public:
   WaitingMaterial(const OneLobeInputs& inputs, const OneLobeSettings& settings, const FormSettings& form,
@@ -80,7 +80,7 @@ class WaitingMaterial : public MaterialSink {
                                {rows.metalness.data(), rows.metalness.data(), rows.metalness.data()});
   }
 
-  /// The form that pictures ask for, after all rows.
+  /// Chooses the form by pictures, after all rows have arrived.
   ChosenForm choose() {
     average_roughness();
     const AskedTexture averages(frame_, [this](int level, int x, int y) { return average_at(level, x, y); });
@@ -101,7 +101,7 @@ class WaitingMaterial : public MaterialSink {
     return made;
   }
 
-  /// Hands all levels on.
+  /// Passes all levels on.
   void pass(const NormalForm& form, Progress* progress) {
     for (int level = 1; level < frame_.level_count; ++level) {
       const int height = mip_level_size(frame_.height, level);
@@ -115,7 +115,7 @@ class WaitingMaterial : public MaterialSink {
 
  private:
   struct Level {
-    PlaneStore normals, means, values;    // values: fitted roughness, its mean without normals, occlusion
+    PlaneStore normals, means, values;    // values: fitted roughness, mean roughness without normals, occlusion
     std::optional<PlaneStore> metalness;  // three times
   };
 
@@ -157,7 +157,7 @@ class WaitingMaterial : public MaterialSink {
     return {1.0, roughness, metalness, 1.0};
   }
 
-  // The mean of perceptual roughness, as a renderer's mips have it, where a map has it.
+  // Averages perceptual roughness as a renderer's mips do, if a map has roughness.
   void average_roughness() {
     if (!inputs_.has_roughness) return;
     for (int level = 1; level < frame_.level_count; ++level) {
@@ -167,7 +167,7 @@ class WaitingMaterial : public MaterialSink {
     }
   }
 
-  // Each texel the mean of those that it covers of the level before.
+  // Averages the texels of the previous level that each texel covers.
   void average_rows(int level, int first, int count) {
     Level& at = level_at(level);
     const int width = mip_level_size(frame_.width, level), height = mip_level_size(frame_.height, level);
@@ -218,7 +218,7 @@ class WaitingMaterial : public MaterialSink {
   const FormSettings form_;
   MaterialSink& sink_;
   const bool is_unit_;
-  const float base_;  // perceptual, where no map has it
+  const float base_;  // perceptual, used without a roughness map
   const TextureFrame frame_;
   std::vector<Level> levels_;  // from 1 on
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits a material and gives each of its levels the form that pictures of simple shapes ask for
-// (host/delivery/forms/material_forms.h): the mean of normals or the fitted one, with as much of the fitted roughness.
+// Fits a material and gives each level the form that pictures of simple shapes ask for
+// (host/delivery/forms/material_forms.h): mean or fitted normals, with a share of the fitted roughness.
 #pragma once
 
 #include <optional>
@@ -13,17 +13,18 @@ namespace multum {
 
 struct FormSettings {
   MaterialForm form = MaterialForm::kOneLobe;
-  Engine engine = Engine::kThree;  // whose pictures choose, of MaterialForm::kAuto
-  bool has_two_channels = false;   // of stored normals x and y alone: means are stored as unit vectors
-  SpillPolicy spill;               // of levels from 1 on, which wait for their form: up to four stores each
+  Engine engine = Engine::kThree;  // engine whose pictures choose, for MaterialForm::kAuto
+  bool has_two_channels = false;   // textures store only x and y of normals: means are stored as unit vectors
+  // Storage of levels 1 and coarser, which wait for their form in up to four stores each.
+  SpillPolicy spill;
 };
 
 struct FormedReport {
   OneLobeReport fit;
-  std::optional<ChosenForm> form;  // of MaterialForm::kAuto
+  std::optional<ChosenForm> form;  // only for MaterialForm::kAuto
 };
 
-/// As fit_one_lobe(), which it is for MaterialForm::kOneLobe. Anisotropic lobes have no other form.
+/// Equals fit_one_lobe() for MaterialForm::kOneLobe. Anisotropic lobes allow no other form.
 FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings,
                                  const FormSettings& form, MaterialSink& sink, Progress* progress);
 

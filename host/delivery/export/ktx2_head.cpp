@@ -10,14 +10,14 @@ namespace multum {
 namespace {
 
 constexpr std::uint8_t kIdentifier[] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
-constexpr std::uint32_t kZstandard = 2;  // a scheme of supercompression
+constexpr std::uint32_t kZstandard = 2;  // supercompression scheme
 
-// Samples of a basic descriptor block: channel, bits and where they begin; bits of blocks are all of them.
+// A sample of a basic descriptor block: channel, bit count and first bit. In block formats a sample spans all bits.
 struct DescribedSample {
   std::uint32_t channel, first_bit, bit_count;
 };
 
-// KHR_DF_MODEL: 1, RGBSDA, and those of block compression.
+// Returns the KHR_DF_MODEL: 1 is RGBSDA; block compression has its own models.
 std::uint32_t colour_model(TexelFormat format) {
   switch (format) {
     case TexelFormat::kBc4: return 131;
@@ -34,7 +34,7 @@ bool is_uastc(TexelFormat format) { return format == TexelFormat::kUastc || form
 std::vector<DescribedSample> samples_of(TexelFormat format) {
   constexpr std::uint32_t kAlphaChannel = 15, kUastcRgba = 3;
   const TexelFormatInfo& info = info_of(format);
-  // A block of BC5 is two, those of BC7 and UASTC have all channels together.
+  // A BC5 block consists of two blocks. BC7 and UASTC blocks hold all channels together.
   const bool is_whole = format == TexelFormat::kBc7 || is_uastc(format);
   const std::uint32_t count = is_whole ? 1u : static_cast<std::uint32_t>(info.channels);
   const std::uint32_t bits = 8 * static_cast<std::uint32_t>(info.block_bytes) / count;
@@ -44,8 +44,8 @@ std::vector<DescribedSample> samples_of(TexelFormat format) {
   return samples;
 }
 
-// A basic descriptor block (Khronos Data Format Specification 1.3, section 5): linear RGB of BT.709's primaries,
-// straight alpha, a texel or a block of 4 x 4. KHR_texture_basisu wants no primaries of what is no colour.
+// Makes a basic descriptor block (Khronos Data Format Specification 1.3, section 5): linear RGB with BT.709 primaries,
+// straight alpha, one texel or a block of 4 x 4. KHR_texture_basisu forbids primaries for data that is not colour.
 ByteList format_descriptor(TexelFormat format) {
   constexpr std::uint32_t kLinearTransfer = 1, kVersion = 2;
   constexpr std::uint32_t kSignedFloat = 0xc0;  // bits of a channel's type
@@ -60,21 +60,21 @@ ByteList format_descriptor(TexelFormat format) {
   list.add(block_bytes, 2);
   for (const std::uint32_t value : {colour_model(format), primaries, kLinearTransfer, 0u}) list.add(value, 1);
   for (const int side : {info.block_side, info.block_side, 1, 1}) list.add(size_of(side - 1), 1);
-  // Bytes of planes 0 to 7; as they are without supercompression (KTX 2.0's revision 4).
+  // Bytes of planes 0 to 7, as without supercompression (KTX 2.0, revision 4).
   list.add(size_of(info.block_bytes), 8);
   const std::uint32_t most = info.is_float ? 0x3f800000u : info.block_side > 1 ? 0xffffffffu : 255u;  // 1
   for (const DescribedSample& sample : samples) {
     list.add(sample.first_bit, 2);
     list.add(sample.bit_count - 1, 1);
     list.add(sample.channel | (info.is_float ? kSignedFloat : 0u), 1);
-    list.add(0, 4);                                 // place in the block
+    list.add(0, 4);                                 // position in the block
     list.add(info.is_float ? 0xbf800000u : 0u, 4);  // -1, or 0
     list.add(most, 4);
   }
   return list;
 }
 
-// Sorted by key.
+// Writes the pairs sorted by key.
 ByteList key_values(const Ktx2Settings& settings) {
   ByteList list;
   const auto add = [&](const std::string& key, const std::string& value) {
@@ -103,7 +103,8 @@ TextureHead ktx2_head(const LeveledTexture& texture, const Ktx2Settings& setting
   constexpr std::uint64_t kFixed = 80, kIndexEntry = 24;
   const std::uint64_t descriptor_at = kFixed + kIndexEntry * size_of(texture.level_count);
   const std::uint64_t keys_at = descriptor_at + descriptor.bytes.size();
-  // A level begins at a multiple of its texel or block and of 4; supercompressed ones follow one another.
+  // A level begins at a multiple of 4 and of its texel or block size. Supercompressed levels follow one another
+  // directly.
   const std::uint64_t alignment = is_compressed ? 1 : std::lcm<std::uint64_t>(size_of(info.block_bytes), 4);
   TextureHead head;
   head.level_offsets.resize(size_of(texture.level_count));

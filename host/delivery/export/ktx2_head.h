@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the head of a KTX 2.0 file (Khronos, "KTX File Format Specification 2.0"), of one 2D texture, or array of
-// them, with a level for each mip; all before the levels' bytes:
+// Makes the head of a KTX 2.0 file (Khronos, "KTX File Format Specification 2.0") for one 2D texture, or an array of 2D
+// textures, with mip levels. The head is everything before the levels' bytes:
 //
 //   identifier (12)  vkFormat  typeSize  width  height  depth 0  layers  faces 1  levels  supercompression (4 each)
 //   index: dfd offset, length  kvd offset, length (4 each)  sgd offset 0, length 0 (8 each)
@@ -17,18 +17,19 @@
 namespace multum {
 
 struct Ktx2Key {
-  std::string key, value;  // behind "KTXwriter" by their bytes, in order
+  std::string key, value;  // stored after "KTXwriter", in byte order of the keys
 };
 
 struct Ktx2Settings {
-  std::string writer;   // who wrote it, for people
-  std::string swizzle;  // what shaders see as r, g, b, a: four of r, g, b, a, 0, 1; empty: as stored
-  // Bytes of each level as supercompressed by Zstandard, level 0 first; empty: not supercompressed.
+  std::string writer;   // name of the writing program, for people
+  std::string swizzle;  // sources of r, g, b, a in shaders: four of r, g, b, a, 0, 1; empty: as stored
+  // Bytes of each level after Zstandard supercompression, level 0 first; empty: not supercompressed.
   std::vector<std::uint64_t> zstd_lengths;
   std::vector<Ktx2Key> keys = {};
 };
 
-/// Data is linear and no colour; row 0 is on top ("rd"). The head's length does not depend on zstd_lengths' values.
+/// The data is linear and not colour; row 0 is on top ("rd"). The head's length does not depend on the values of
+/// zstd_lengths.
 TextureHead ktx2_head(const LeveledTexture& texture, const Ktx2Settings& settings);
 
 }  // namespace multum

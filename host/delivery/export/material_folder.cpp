@@ -22,10 +22,10 @@ namespace {
 
 float rounded_share(float value) { return static_cast<float>(code_of(std::clamp(value, 0.0f, 1.0f))) / 255.0f; }
 
-// Of a component of a unit vector.
+// Rounds a component of a unit vector.
 float rounded_component(float value) { return 2.0f * rounded_share(0.5f + 0.5f * value) - 1.0f; }
 
-// Adds rows to those before.
+// Appends rows.
 void append(MaterialRows& to, const MaterialRows& more) {
   to.width = more.width;
   to.height += more.height;
@@ -37,7 +37,7 @@ void append(MaterialRows& to, const MaterialRows& more) {
   add(to.metalness, more.metalness);
 }
 
-// Takes the first rows away, and returns them.
+// Removes the first rows and returns them.
 MaterialRows take_rows(MaterialRows& from, int row_count) {
   MaterialRows taken{from.width, row_count, {}, {}, {}, {}, {}};
   const std::size_t count = size_of(from.width) * size_of(row_count);
@@ -105,7 +105,7 @@ class MaterialFolder : public MaterialWriter {
 
   bool is_encoded_whole() const { return settings_.texels == MaterialTexels::kUastc; }
 
-  // Of textures that are encoded whole.
+  // Returns stored rows of textures that are encoded as a whole.
   MaterialRows stored_rows(int level, int first_row, int row_count) const {
     const int width = mip_level_size(width_, level);
     const std::size_t count = size_of(width) * size_of(row_count);
@@ -179,13 +179,13 @@ std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, i
   const std::string sides = fmt::format("its sides are {} x {}: ", width, height);
   if (settings.format == MaterialFormat::kKtx2 && !(is_power_of_two(width) && is_power_of_two(height)))
     warnings.push_back(sides +
-                       "of KTX2 files whose sides are no powers of two Godot keeps level 0 alone and makes mips of its "
-                       "own; resize the map first if it is for Godot");
+                       "Godot keeps only level 0 of KTX2 files unless the sides are powers of two, and computes its "
+                       "own mips; resize the map first if you use Godot");
   const bool has_blocks = settings.texels == MaterialTexels::kBlocks || settings.texels == MaterialTexels::kUastc;
   if (has_blocks && (width % 4 != 0 || height % 4 != 0))
     warnings.push_back(sides +
-                       "Direct3D refuses block-compressed textures whose sides are no multiples of 4, and so do "
-                       "browsers that run on it; resize the map first");
+                       "Direct3D, and browsers that use Direct3D, refuse block-compressed textures unless their sides "
+                       "are multiples of 4; resize the map first");
   return warnings;
 }
 

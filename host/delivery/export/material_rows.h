@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a material of one GGX lobe a texel, as engines take it.
+// Holds rows of a material of one GGX lobe per texel, as engines use it.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,14 @@ namespace multum {
 struct MaterialRows {
   int width = 0, height = 0;
   std::vector<glm::vec3> normals;     // unit, or shorter means; x right, y up, z out
-  std::vector<float> roughness;       // perceptual, sqrt(alpha), 0..1; across the axis where there is one
+  std::vector<float> roughness;       // perceptual, sqrt(alpha), 0..1; with anisotropy: across the axis
   std::vector<glm::vec3> anisotropy;  // x, y: unit direction of the axis; z: strength, 0..1. Empty: isotropic
   std::vector<float> occlusion;       // 0..1; empty: no such map
   std::vector<float> metalness;       // 0..1; empty: no such map
-  std::vector<glm::vec3> means = {};  // of normals; empty: level 0, or nobody asked (OneLobeInputs::wants_means)
+  std::vector<glm::vec3> means = {};  // means of normals; empty in level 0, or if OneLobeInputs::wants_means is not set
 };
 
-/// Takes rows as they are done: of each level in order from the top, levels in any order.
+/// Receives finished rows. The rows of each level arrive from the top down, levels in any order.
 class MaterialSink {
  public:
   virtual ~MaterialSink() = default;

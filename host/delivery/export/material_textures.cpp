@@ -25,7 +25,7 @@ bool is_alone(TextureRole role) { return role == TextureRole::kRoughness || role
 
 int image_channels(TextureRole role) { return role == TextureRole::kMask ? 4 : 3; }
 
-// Of KTX2 and DDS.
+// Returns the texel format of KTX2 and DDS files.
 TexelFormat texel_format(TextureRole role, MaterialTexels texels) {
   const bool has_blocks = texels == MaterialTexels::kBlocks;
   if (is_half(texels)) return TexelFormat::kRgba16f;
@@ -37,14 +37,14 @@ TexelFormat texel_format(TextureRole role, MaterialTexels texels) {
   return has_blocks ? TexelFormat::kBc7 : TexelFormat::kRgba8;
 }
 
-// What a shader sees of channels that are not stored, of readers that obey: normals that nobody rebuilds point up
-// rather than down, roughness is in whichever channel somebody looks for it.
+// Returns the swizzle for channels that are not stored. Readers that obey it see normals that point up instead of down,
+// and find roughness in every colour channel.
 std::string swizzle_of(TexelFormat format) {
   const int channels = info_of(format).channels;
   return channels == 1 ? "rrr1" : channels == 2 ? "rg11" : "";
 }
 
-// Of normals and directions: y as the file's green axis has it, also the other way round.
+// Returns y of a normal or direction with the sign of the file's green axis. Also converts back.
 float turned_y(const MaterialFolderSettings& settings, float y) { return settings.green_is_down ? -y : y; }
 
 glm::vec4 texel_of(TextureRole role, const MaterialFolderSettings& settings, const MaterialRows& rows, std::size_t i) {
@@ -98,7 +98,7 @@ void set_texel(TextureRole role, const MaterialFolderSettings& settings, const g
   }
 }
 
-// An image a level.
+// Writes one image per level.
 template <typename Writer>
 class TextureImages : public TextureFiles {
  public:
@@ -121,7 +121,7 @@ class TextureImages : public TextureFiles {
       }
     levels_[size_of(level)]->write_rows(row_count, codes.data());
   }
-  // The finest level last: whoever waits for it finds the others.
+  // Names the finest level last: a program that waits for this file then finds all others.
   void finish() override {
     for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) (*level)->finish();
   }
@@ -131,7 +131,7 @@ class TextureImages : public TextureFiles {
   std::vector<std::unique_ptr<Writer>> levels_;
 };
 
-// A file of all levels.
+// Writes one file of all levels.
 class TextureLevels : public TextureFiles {
  public:
   TextureLevels(TexelFormat format, std::unique_ptr<TextureFile> file)
@@ -157,7 +157,7 @@ class TextureLevels : public TextureFiles {
   std::unique_ptr<TextureFile> file_;
 };
 
-// A file of all levels in blocks.
+// Writes one file of all levels in blocks.
 class TextureBlocks : public TextureFiles {
  public:
   TextureBlocks(const LeveledTexture& texture, BlockColour colour, BlockEncoder& encoder,
@@ -186,7 +186,7 @@ class TextureBlocks : public TextureFiles {
   std::unique_ptr<TextureFile> file_;
 };
 
-// A file of all levels in UASTC, which another program encodes; until then they wait in a file.
+// Writes one file of all levels in UASTC. Another program encodes the levels; until then they wait in a file.
 class TextureUastc : public TextureFiles {
  public:
   TextureUastc(const std::string& name, const LeveledTexture& texture, const UastcSettings& uastc,
@@ -225,7 +225,7 @@ class TextureUastc : public TextureFiles {
   const LeveledTexture texture_;
   const UastcSettings uastc_;
   LevelFile levels_, decoded_;
-  std::vector<int> rows_;  // that are there, by level
+  std::vector<int> rows_;  // rows written so far, by level
   std::unique_ptr<TextureFile> file_;
 };
 

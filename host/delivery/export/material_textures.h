@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The textures of an exported material: which there are, what their channels hold, and the files that they become.
+// Defines the textures of an exported material: their roles, the contents of their channels, and their files.
 #pragma once
 
 #include <algorithm>
@@ -23,31 +23,31 @@ enum class TextureRole {
   kNormal,
   kOrm,         // occlusion, roughness, metalness: glTF, Unreal
   kMask,        // metalness, occlusion, 1, smoothness: Unity
-  kRoughness,   // alone
-  kSmoothness,  // alone
+  kRoughness,   // one channel
+  kSmoothness,  // one channel
   kAnisotropy,  // direction x and y, strength: KHR_materials_anisotropy
 };
 
 const char* name_of(TextureRole role);
-/// In the order of files.
+/// Returns the roles in the order of the files.
 std::vector<TextureRole> roles_of(const MaterialFolderSettings& settings);
 
-/// Files of a texture, level 0 first.
+/// Returns the files of a texture, level 0 first.
 std::vector<std::string> texture_files(const MaterialFolderSettings& settings, TextureRole role, int level_count);
 
 inline bool is_half(MaterialTexels texels) { return texels == MaterialTexels::kRgba16f; }
 
-/// The nearest step of 8 bits, of values from 0 to 1. std::lround, a call, would be a twelfth of an export's time.
+/// Rounds a value from 0 to 1 to the nearest 8-bit code. Calling std::lround would take a twelfth of an export's time.
 inline std::uint8_t code_of(float share) { return static_cast<std::uint8_t>(share * 255.0f + 0.5f); }
 
-/// z of a unit normal, from the other two.
+/// Returns z of a unit normal, computed from x and y.
 inline float rebuilt_z(const glm::vec3& normal) {
   return std::sqrt(std::max(0.0f, 1.0f - normal.x * normal.x - normal.y * normal.y));
 }
 
-/// Red, green, blue, alpha as they are stored, those of 8 bits as shares.
+/// Returns stored red, green, blue, alpha; 8-bit values as shares.
 std::vector<glm::vec4> texels_of(TextureRole role, const MaterialFolderSettings& settings, const MaterialRows& rows);
-/// The other way round, of texels that are stored as blocks. Planes that `rows` lacks stay empty.
+/// Converts texels that are stored as blocks back to rows. Planes that `rows` lacks stay empty.
 void set_rows(TextureRole role, const MaterialFolderSettings& settings, const std::vector<glm::vec4>& texels,
               MaterialRows& rows);
 
@@ -55,17 +55,18 @@ void set_rows(TextureRole role, const MaterialFolderSettings& settings, const st
 class TextureFiles {
  public:
   virtual ~TextureFiles() = default;
-  /// Takes the next rows of a level, rounded; of blocks whole ones, or the level's last. They become what is stored.
+  /// Takes the next rows of a level, rounded; block formats need whole blocks, except for the level's last rows.
+  /// `texels` becomes the stored values.
   virtual void write_rows(int level, int row_count, std::vector<glm::vec4>& texels) = 0;
-  /// Encodes the levels, after all rows, where that is done for whole textures. Throws Error(kEnvironment), Cancelled.
+  /// Encodes the levels of a whole-texture format, after all rows. Throws Error(kEnvironment), Cancelled.
   virtual void encode(Progress*) {}
-  /// Rows of a level as they are stored, after encode(); of textures that are encoded whole.
+  /// Returns stored rows of a level of a whole-texture format, after encode().
   virtual std::vector<glm::vec4> stored_rows(int level, int first_row, int row_count) const;
-  /// Gives them their names.
+  /// Gives the files their final names.
   virtual void finish() = 0;
 };
 
-/// `encoder` must outlive it.
+/// `encoder` must outlive the result.
 std::unique_ptr<TextureFiles> make_texture(const MaterialFolderSettings& settings, TextureRole role, int width,
                                            int height, BlockEncoder& encoder);
 

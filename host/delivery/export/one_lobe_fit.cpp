@@ -23,14 +23,14 @@
 namespace multum {
 namespace {
 
-// Slopes of the samples of texels that are fitted at once: what a processor's cache holds of the second level, times
-// its cores, and enough for a GPU.
+// Bytes of sample slopes that are fitted in one launch: the second-level cache of a processor's cores together, and
+// enough for a GPU.
 constexpr std::size_t kSlopeBytes = std::size_t{4} << 20;
 
-// Averages of some rows of a level, copied: a fit cannot be launched while they are handed over.
+// Copied averages of some rows of a level. A fit cannot be launched while the averages are handed over.
 struct WaitingRows {
   int level, first_row, width, height;
-  std::vector<float> planes;  // [plane][row][column], those of features last
+  std::vector<float> planes;  // [plane][row][column], features last
 
   const float* plane(int p) const { return planes.data() + size_of(p) * size_of(height) * size_of(width); }
 };
@@ -44,7 +44,7 @@ WaitingRows copy_of(const BoxRows& rows, int plane_count) {
   return copy;
 }
 
-// A buffer that grows.
+// A device buffer that grows on demand.
 class GrowingBuffer {
  public:
   explicit GrowingBuffer(std::string what) : what_(std::move(what)) {}
@@ -70,7 +70,7 @@ class LobeFitter {
         samples_(device.kernel("one_lobe", "one_lobe_samples", {1, lanes_, false})),
         fit_(device.kernel("one_lobe", "one_lobe_fit", {1, lanes_, false})) {}
 
-  /// Fitted planes, [plane][row][column].
+  /// Returns fitted planes, [plane][row][column].
   std::vector<float> fit(const WaitingRows& rows) {
     std::vector<float> fitted(MULTUM_ONE_LOBE_FITTED * size_of(rows.height) * size_of(rows.width));
     FitJournal* const journal = inputs_.journal;
@@ -86,7 +86,7 @@ class LobeFitter {
   }
 
  private:
-  // What samples of a level need whatever the rows.
+  // Tables that the samples of a level need for all rows.
   struct LevelTables {
     DeviceBuffer columns, facets;
   };
@@ -105,13 +105,14 @@ class LobeFitter {
     return place->second;
   }
 
-  // The finest rows that some rows' samples lie in, each once, in order; and which of them each row of samples has.
+  // The finest rows that contain the samples of some rows, each once and in order. Also the index of the finest row for
+  // each sample row.
   struct SampledRows {
     std::vector<int> finest;
     std::vector<int> slots;
   };
   SampledRows sampled_rows(const WaitingRows& rows, int first, int count, int grid) const {
-    // Heights of levels: of the map's, as box_pyramid.h has them.
+    // Computes level heights from the map's height, as box_pyramid.h does.
     const int height = inputs_.normals->height(), level_height = mip_level_size(height, rows.level);
     SampledRows sampled;
     for (int y = rows.first_row + first; y < rows.first_row + first + count; ++y)
@@ -134,7 +135,7 @@ class LobeFitter {
       const auto rows_at = [&](std::size_t plane, std::size_t slot) {
         return reinterpret_cast<float*>(at[plane]) + slot * width;
       };
-      for (std::size_t slot = 0; slot < count;) {  // rows that follow one another are read at once
+      for (std::size_t slot = 0; slot < count;) {  // consecutive rows are read at once
         std::size_t end = slot + 1;
         while (end < count && sampled.finest[end] == sampled.finest[end - 1] + 1) ++end;
         const int row = sampled.finest[slot], row_count = static_cast<int>(end - slot);
@@ -147,7 +148,7 @@ class LobeFitter {
     device_.write(slots_.of_size(device_, slot_bytes), sampled.slots.data(), slot_bytes);
   }
 
-  // Averages as the kernels take them.
+  // Uploads averages in the kernels' layout.
   void upload_averages(const WaitingRows& rows, int first, const MultumOneLobePiece& piece) {
     const std::size_t stride = size_of(piece.stride), texels = size_of(piece.row_count) * size_of(piece.width);
     const std::size_t bytes = MULTUM_ONE_LOBE_AVERAGES * stride * sizeof(float);
@@ -211,7 +212,7 @@ class LobeFitter {
   GrowingBuffer slots_{"rows of samples"}, averages_{"averages of a fit"}, slopes_{"slopes"}, fitted_{"fitted lobes"};
 };
 
-// Planes that are averaged, and the fits that begin with them.
+// The planes that are averaged, and the fits that start from the averages.
 class OneLobePlanes : public AveragedPlanes {
  public:
   OneLobePlanes(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings, double axis_cut,
@@ -251,10 +252,10 @@ class OneLobePlanes : public AveragedPlanes {
     return made;
   }
 
-  // The map itself, with the base's roughness.
+  // Returns the map's own normals with the base roughness.
   MaterialRows finest_rows(const WaitingRows& rows) const {
     MaterialRows made = empty_rows(rows);
-    // Along the middle of the half plane of directions, so that filtering towards level 1 turns none away.
+    // Points along the middle of the half plane of directions, so that filtering towards level 1 reverses no axis.
     const glm::vec3 no_axis(-std::sin(axis_cut_), std::cos(axis_cut_), 0.0);
     const auto base =
         static_cast<float>(std::sqrt(std::max(kAlphaMin, settings_.base_roughness * settings_.base_roughness)));

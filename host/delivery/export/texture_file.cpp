@@ -19,12 +19,12 @@
 namespace multum {
 namespace {
 
-// Which rows of a texture are there.
+// Counts the rows of each level.
 class RowCounts {
  public:
   explicit RowCounts(const LeveledTexture& texture) : texture_(texture), rows_(size_of(texture.level_count), 0) {}
 
-  /// Counts them, and returns the first.
+  /// Counts new rows and returns the index of the first one.
   int add(int level, int row_count) {
     const int first = rows_[size_of(level)];
     MULTUM_CHECK(first + row_count <= block_rows(texture_, level));
@@ -41,7 +41,7 @@ class RowCounts {
   std::vector<int> rows_;  // by level
 };
 
-// Levels as they are, behind a head that is known before.
+// Writes uncompressed levels. The head is known before the first row.
 class PlainTextureFile : public TextureFile {
  public:
   PlainTextureFile(const std::string& path, const LeveledTexture& texture, TextureHead head)
@@ -52,7 +52,7 @@ class PlainTextureFile : public TextureFile {
   void write_rows(int level, int row_count, const void* blocks) override {
     const std::uint64_t row_bytes = block_row_bytes(texture_, level);
     const int first = counts_.add(level, row_count);
-    // Gaps between levels are zeros: a file is, where it was never written.
+    // Gaps between levels are zeros, because unwritten parts of a file read as zeros.
     if (!bytes_.seek(head_.level_offsets[size_of(level)] + row_bytes * size_of(first))) bytes_.close();  // throws
     write_or_throw(bytes_, blocks, static_cast<std::size_t>(row_bytes) * size_of(row_count));
   }
@@ -70,8 +70,8 @@ class PlainTextureFile : public TextureFile {
   RowCounts counts_;
 };
 
-// Bytes of a scratch file to a frame of Zstandard, by pieces of one size: they decide, among other things, what the
-// bytes are.
+// Compresses bytes of a scratch file into one Zstandard frame, in pieces of one size. The piece size affects the
+// compressed bytes.
 class ZstdFrames {
  public:
   explicit ZstdFrames(int level)
@@ -80,7 +80,7 @@ class ZstdFrames {
     check(ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, level));
   }
 
-  /// Returns the bytes that the frame takes.
+  /// Returns the compressed size of the frame.
   std::uint64_t write(const ScratchFile& from, std::uint64_t begin, std::uint64_t count, OutputFile& to) {
     check(ZSTD_CCtx_reset(context_.get(), ZSTD_reset_session_only));
     check(ZSTD_CCtx_setPledgedSrcSize(context_.get(), count));
@@ -120,7 +120,8 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// Levels wait in a scratch file: that of the file that is smallest comes first, and how long each is, is known last.
+// Collects levels in a scratch file, since the file stores the smallest level first and compressed sizes are known
+// last.
 class ZstdKtx2File : public TextureFile {
  public:
   ZstdKtx2File(const std::string& path, const LeveledTexture& texture, const Ktx2Choice& choice)
@@ -159,7 +160,7 @@ class ZstdKtx2File : public TextureFile {
   const LeveledTexture texture_;
   const Ktx2Choice choice_;
   RowCounts counts_;
-  std::vector<std::uint64_t> begins_;  // of levels in the scratch file
+  std::vector<std::uint64_t> begins_;  // start of each level in the scratch file
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes files of textures with all their levels, KTX2 and DDS, rows of any level as they come.
+// Writes KTX2 and DDS texture files with all levels. Rows of any level can arrive in any order of levels.
 #pragma once
 
 #include <memory>
@@ -11,23 +11,23 @@
 
 namespace multum {
 
-/// A file that appears whole or not at all. Everything throws Error(kEnvironment) when it cannot be written.
+/// A file that appears complete or not at all. Every function throws Error(kEnvironment) if writing fails.
 class TextureFile {
  public:
   virtual ~TextureFile() = default;
-  /// The next rows of blocks of a level, in the texture's format (of texels where blocks are texels); layers of an
-  /// array one behind the other, levels in any order.
+  /// Writes the next rows of blocks of a level in the texture's format; blocks may be single texels. Layers of an array
+  /// follow one another; levels come in any order.
   virtual void write_rows(int level, int row_count, const void* blocks) = 0;
   /// Gives the file its name, after all rows of all levels.
   virtual void finish() = 0;
 };
 
-/// The highest level of Zstandard whose files any reader takes: those above need more memory to read.
+/// The highest Zstandard level whose files all readers accept. Higher levels need more memory to read.
 constexpr int kZstdLevelMax = 19;
 
 struct Ktx2Choice {
   std::string swizzle;  // host/delivery/export/ktx2_head.h
-  int zstd_level = 0;   // of supercompression, 1..kZstdLevelMax; 0: none
+  int zstd_level = 0;   // supercompression level, 1..kZstdLevelMax; 0: none
   std::vector<Ktx2Key> keys = {};
 };
 
@@ -35,7 +35,7 @@ struct Ktx2Choice {
 std::unique_ptr<TextureFile> make_ktx2_file(const std::string& path, const LeveledTexture& texture,
                                             const Ktx2Choice& choice = {});
 
-/// With a DX10 header; no arrays.
+/// Writes a DX10 header. Arrays are not supported.
 std::unique_ptr<TextureFile> make_dds_file(const std::string& path, const LeveledTexture& texture);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The head of a file of a texture: all before the levels' bytes, and where they go.
+// The head of a texture file: all bytes before the levels, and the levels' offsets.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct TextureHead {
   std::vector<std::uint64_t> level_offsets;  // level 0 first
 };
 
-/// Little-endian numbers, one behind the other.
+/// Appends little-endian numbers.
 class ByteList {
  public:
   void add(std::uint64_t value, int byte_count) {

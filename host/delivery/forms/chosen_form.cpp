@@ -11,10 +11,10 @@ namespace {
 
 std::string text_of(const FormView& view) {
   if (view.shape.empty()) return fmt::format("at {:.3g} m", view.distance);
-  return fmt::format("on a {} at {:.3g} texel{} a pixel", view.shape, view.distance, view.distance == 1.0 ? "" : "s");
+  return fmt::format("on a {} at {:.3g} texel{} per pixel", view.shape, view.distance, view.distance == 1.0 ? "" : "s");
 }
 
-// The view for which two forms differ most.
+// Returns the view in which two forms differ most.
 std::size_t most_different(const FormError& one, const FormError& other) {
   std::size_t at = 0;
   for (std::size_t i = 1; i < one.by_view.size(); ++i)
@@ -25,7 +25,7 @@ std::size_t most_different(const FormError& one, const FormError& other) {
 }  // namespace
 
 std::string ChosenForm::to_text(bool has_own_maps) const {
-  if (views.empty()) return "nothing of it is seen";
+  if (views.empty()) return "the pictures do not show this material";
   const bool has_candidates = errors.contains("lobes_4");
   const FormError &before = errors.at(has_candidates ? "points_4" : "plain"),
                   &after = errors.at(has_candidates ? "lobes_4" : "one_lobe");
@@ -43,7 +43,7 @@ std::string ChosenForm::to_text(bool has_own_maps) const {
   if (has_lobe_colours && errors.contains("lobe_colours_4")) {
     const FormError &own = errors.at("lobe_colours_4"), &mean = errors.at("mean_colour_4");
     const std::size_t there = most_different(own, mean);
-    text += fmt::format(" that have colours ({} {:.1f} %, of one colour {:.1f} %)", text_of(views[there]),
+    text += fmt::format(" that have colours ({} {:.1f} %, with one colour {:.1f} %)", text_of(views[there]),
                         own.by_view[there], mean.by_view[there]);
   }
   return text;

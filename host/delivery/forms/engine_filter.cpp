@@ -13,25 +13,24 @@ namespace {
 
 using Term = EngineFilter::Term;
 
-// Sources, read in October and November 2026:
-// three.js 0.187, lights_physical_fragment.glsl.js. Its textures have an anisotropy of 1 unless a program asks for
-// more; the add-on and viewers ask for what GPUs have.
+// Sources, read in October and November 2026: three.js 0.187, lights_physical_fragment.glsl.js. Its textures have an
+// anisotropy of 1 by default. multum's add-on and viewers request the GPU's maximum.
 constexpr EngineFilter kThree{.anisotropy_max = 16, .roughness_least = 0.045, .term = Term::kChange};
 // babylonjs 9.35, getAARoughnessFactors and Texture.DEFAULT_ANISOTROPIC_FILTERING_LEVEL; babylonjs-loaders 9.28 turns
 // enableSpecularAntiAliasing on.
 constexpr EngineFilter kBabylon{.anisotropy_max = 4, .term = Term::kGreaterChange, .is_of_map = true};
-// playcanvas 2.23.3: Texture's anisotropy is 1, and its chunks of shaders take no derivative of normals.
+// playcanvas 2.23.3: the anisotropy of Texture is 1, and its shader chunks use no derivatives of normals.
 constexpr EngineFilter kPlayCanvas{};
-// Filament: normalFiltering() in shaders/src/surface_shading_lit.fs, on in libs/gltfio/materials/base.mat.in; variance,
-// threshold and TextureSampler's anisotropy by default.
+// Filament: normalFiltering() in shaders/src/surface_shading_lit.fs, turned on in libs/gltfio/materials/base.mat.in;
+// default variance, threshold and TextureSampler anisotropy.
 constexpr EngineFilter kFilament{.roughness_least = 0.045, .term = Term::kVariance, .variance = 0.15, .limit = 0.2};
 // Godot 4: the shader of its forward renderers, and the defaults of
-// rendering/anti_aliasing/screen_space_roughness_limiter; materials' textures are "linear mipmap", without anisotropy.
+// rendering/anti_aliasing/screen_space_roughness_limiter; materials use "linear mipmap" textures without anisotropy.
 constexpr EngineFilter kGodot{
     .term = Term::kPerceptual, .rebuilds_z = true, .is_of_map = true, .variance = 0.25, .limit = 0.18};
-// Unity: Texture.anisoLevel is 1, HDRP's geometric specular anti-aliasing off, and UnpackNormal() takes x and y.
+// Unity: Texture.anisoLevel is 1, HDRP's geometric specular anti-aliasing is off, and UnpackNormal() reads x and y.
 constexpr EngineFilter kUnity{.rebuilds_z = true};
-// Unreal: r.MaxAnisotropy is 8 in BaseScalability.ini's [TextureQuality@3]; bNormalCurvatureToRoughness is off; normal
+// Unreal: r.MaxAnisotropy is 8 in [TextureQuality@3] of BaseScalability.ini; bNormalCurvatureToRoughness is off; normal
 // maps are BC5.
 constexpr EngineFilter kUnreal{.anisotropy_max = 8, .rebuilds_z = true};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Knows how engines look up a material's textures, and what they add to its roughness where normals change from pixel
+// Describes how engines look up a material's textures, and how engines raise roughness where normals change from pixel
 // to pixel.
 #pragma once
 
@@ -10,30 +10,30 @@
 namespace multum {
 
 struct EngineFilter {
-  /// What widens highlights.
+  /// The roughness term for changes of the normal between pixels.
   enum class Term {
     kNone,
-    kChange,         // three.js: the largest change of a component is added to perceptual roughness
-    kVariance,       // `variance` of both changes, twice, up to `limit`, is added to alpha^2 (Filament)
-    kPerceptual,     // the same to the square of perceptual roughness (Godot)
-    kGreaterChange,  // of both changes: its root of 3 is the least roughness under lights, and three quarters of it
-                     // are added to alpha of reflections (Babylon.js)
+    kChange,         // three.js: adds the largest change of a component to perceptual roughness
+    kVariance,       // Filament: adds twice the `variance` of both changes, up to `limit`, to alpha^2
+    kPerceptual,     // Godot: adds the same amount to the square of perceptual roughness
+    kGreaterChange,  // Babylon.js: takes the greater change c. The least roughness under lights is cbrt(c^2);
+                     // 3/4 of c is added to the alpha of reflections
   };
   int anisotropy_max = 1;
   double roughness_least = 0.0;  // perceptual
   Term term = Term::kNone;
-  bool rebuilds_z = false;  // of normals, from x and y
-  bool is_of_map = false;   // the term is of normals with the map in them, not of the mesh's
+  bool rebuilds_z = false;  // compute z of normals from x and y
+  bool is_of_map = false;   // the term uses mapped normals instead of the mesh's normals
   double variance = 0.0, limit = 1.0;
 };
 
 const EngineFilter& filter_of(Engine engine);
 
-/// Perceptual roughness under lights, and of what the surroundings reflect.
+/// Perceptual roughness under lights, and for reflections of the surroundings.
 struct EngineRoughness {
   double lights = 1.0, surroundings = 1.0;
 };
-/// `along_x`, `along_y`: what the normal changes by from pixel to pixel, in the space of the view.
+/// `along_x`, `along_y`: change of the normal from pixel to pixel, in view space.
 EngineRoughness engine_roughness(const EngineFilter& filter, double roughness, const glm::dvec3& along_x,
                                  const glm::dvec3& along_y);
 

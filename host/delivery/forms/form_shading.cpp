@@ -11,8 +11,8 @@
 namespace multum {
 namespace {
 
-constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // as docs/evidence/GLTF_EXAMPLE.md's scenes have them
-constexpr double kRoughnessLeast = 0.045;                      // three.js's and Filament's
+constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // equal to the scenes of docs/evidence/GLTF_EXAMPLE.md
+constexpr double kRoughnessLeast = 0.045;                      // minimum of three.js and Filament
 constexpr double kDielectric = 0.04;                           // reflectance along the normal
 
 const std::array<glm::dvec3, kFormLights>& form_lights() {
@@ -24,7 +24,7 @@ const std::array<glm::dvec3, kFormLights>& form_lights() {
 
 double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0); }
 
-// Lamps of a room such as three.js's RoomEnvironment, whose reflections smooth surfaces show.
+// The lamps of a room such as RoomEnvironment of three.js. Smooth surfaces show their reflections.
 struct Lamp {
   glm::dvec3 direction;
   double solid_angle, radiance;
@@ -38,10 +38,11 @@ const std::array<Lamp, 5>& lamps() {
   return all;
 }
 
-// The walls are brighter above.
+// Returns the radiance of the walls, which are brighter above.
 double walls_at(double height, double width) { return 0.5 + 0.3 * height / std::sqrt(height * height + width * width); }
 
-// What a surface of this alpha reflects from a direction: normals of variance alpha^2 / 2 turn reflections by twice.
+// Returns the room's light that a surface of this alpha reflects from a direction. Normals of variance alpha^2 / 2 turn
+// reflections by twice their own angle.
 double room_at(const glm::dvec3& direction, double alpha) {
   double sum = walls_at(direction.y, 0.1 + alpha);
   for (const Lamp& lamp : lamps()) {
@@ -52,7 +53,7 @@ double room_at(const glm::dvec3& direction, double alpha) {
   return sum;
 }
 
-// Irradiance over pi.
+// Returns irradiance over pi.
 double room_around(const glm::dvec3& normal) {
   double sum = walls_at(normal.y, 1.0);
   for (const Lamp& lamp : lamps())
@@ -60,7 +61,7 @@ double room_around(const glm::dvec3& normal) {
   return sum;
 }
 
-// Banerjee et al. 2005.
+// Computes kappa as in Banerjee et al. 2005.
 double kappa_of_spread(double spread) {
   const double r = 1.0 - spread;
   return r * (3.0 - r * r) / std::max(spread * (2.0 - spread), 1e-12);
@@ -70,7 +71,7 @@ double reflectance_of(const FormSurface& surface) {
   return kDielectric + (surface.colour - kDielectric) * surface.metalness;
 }
 
-// Karis's fit of the split sum ("Physically Based Shading on Mobile", 2014).
+// Evaluates Karis's fit of the split sum ("Physically Based Shading on Mobile", 2014).
 double split_sum(double f0, double roughness, double n_v) {
   const double rx = 1.0 - roughness, ry = 0.0425 - 0.0275 * roughness, rz = 1.04 - 0.572 * roughness,
                rw = 0.022 * roughness - 0.04;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobes of a baked file as @multum/three reads them (lobe_shading.js, runtime_gl/shaders/common/texture_filter.glsl),
-// in double.
+// Looks up lobes of a baked file in double precision, as @multum/three does (lobe_shading.js,
+// runtime_gl/shaders/common/texture_filter.glsl).
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace multum {
 
-/// Levels from 1 of the map on, whose first one is level 0 here.
+/// The map's levels 1 and coarser. Level 0 of this object is level 1 of the map.
 class LobeLevels {
  public:
-  /// Of a baked file, those levels that are together within `bytes_max`. Throws Error(kInput).
+  /// Loads the levels of a baked file that fit together into `bytes_max`. Throws Error(kInput).
   LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max);
 
   int count() const { return count_; }
@@ -26,17 +26,17 @@ class LobeLevels {
   const TextureFrame& frame() const { return frame_; }
   int finest_held() const { return finest_held_; }
 
-  /// What addLobes() reads a place of a pixel at, before it is clamped. `along_x`, `along_y`: of the place, from one
-  /// end of its part of the pixel to the other.
+  /// Returns the level at which addLobes() reads a place of a pixel, before clamping. `along_x`, `along_y`: change of
+  /// the place across its part of the pixel.
   double level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
-  /// Columns and rows of `count` places of a pixel, a power of two, as multum_point_grid() has them.
+  /// Returns columns and rows of `count` places of a pixel, a power of two, as multum_point_grid() does.
   glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
-  /// All lobes, (a r, a).
+  /// Returns all lobes, (a r, a).
   std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;
-  /// Of each lobe the luminance of its colour times a. Of files with colours.
+  /// Returns for each lobe the luminance of its colour times a. The file must have colours.
   std::vector<double> luminances(const glm::dvec2& place, double level) const;
-  /// The luminance of the lobe that is nearest to a normal of the map, unit, of the finest texel that is held and lies
-  /// at the place: level 1 has a lobe for each normal that it covers.
+  /// Returns the luminance of the lobe that is nearest to a unit normal of the map, in the finest loaded texel at the
+  /// place. Level 1 has one lobe for each normal that it covers.
   double finest_luminance(const glm::dvec2& place, const glm::dvec3& normal) const;
 
  private:

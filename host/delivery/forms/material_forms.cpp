@@ -13,9 +13,9 @@
 namespace multum {
 namespace {
 
-constexpr int kPointsAnisotropy = 16;  // what @multum/three asks for, and GPUs have
+constexpr int kPointsAnisotropy = 16;  // requested by @multum/three and supported by GPUs
 constexpr int kPointsPerSide = 2;
-// As @multum/three has them (runtime_gl/web/three/lobe_material.js).
+// Values of @multum/three (runtime_gl/web/three/lobe_material.js).
 constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.002;
 constexpr double kLobeRoughnessMin = 0.045;
 constexpr int kPixelsAtOnce = 64;
@@ -26,21 +26,21 @@ glm::dvec3 turned_by(const SurfacePoint& frame, const glm::dvec3& n) {
   return n.x * frame.tangent + n.y * frame.bitangent + n.z * frame.normal;
 }
 
-// A sum of normals or lobes keeps its length where a frame's tangents are not at right angles.
+// Transforms a lobe; a sum of normals or lobes keeps its length even if the frame's tangents are not at right angles.
 glm::dvec4 turned_lobe(const SurfacePoint& frame, const glm::dvec4& lobe) {
   const glm::dvec3 turned = turned_by(frame, glm::dvec3(lobe));
   const double length = glm::length(turned);
   return {turned * (length > 1e-12 ? glm::length(glm::dvec3(lobe)) / length : 0.0), lobe.w};
 }
 
-// A point of a pixel, `x` and `y` pixels from its middle, as interpolators give it.
+// Returns a point of a pixel as interpolators do, `x` and `y` pixels from its middle.
 SurfacePoint moved(const ModelPixel& pixel, double x, double y) {
   SurfacePoint made = pixel.middle + pixel.along_x * x + pixel.along_y * y;
   made.normal = glm::normalize(made.normal);
   return made;
 }
 
-// The pixels whose normals a pixel's is compared with.
+// Offsets of the pixels whose normals are compared with a pixel's normal.
 constexpr glm::dvec2 kBeside[] = {{1.0, 0.0}, {0.0, 1.0}};
 
 double part_place(int i, int count) { return (i + 0.5) / count - 0.5; }
@@ -64,7 +64,8 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
     for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)]);
   });
-  // Relative L1: of all pixels of a view the differences over the references, the mean of lights.
+  // The relative L1 error is the sum of differences over the sum of references, for all pixels of a view; then the mean
+  // over lights.
   std::vector<FormLight> wholes(views_.size());
   for (const Measured& at : pixels_)
     for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += at.reference[l];
@@ -226,7 +227,7 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
                                  const PixelColours& colours) const {
   const ModelPixel& pixel = *at.pixel;
   const auto count = size_of(lobes.count());
-  // Lobes of a part of the pixel, in world space, the map's share in the first.
+  // Adds lobes of a part of the pixel in world space. The first lobe includes the map's share.
   const auto add_lobes = [&](int number, const glm::ivec2& grid, std::vector<glm::dvec4>& sums) {
     const double level = lobes.level_of(pixel.along_x.place / static_cast<double>(grid.x),
                                         pixel.along_y.place / static_cast<double>(grid.y), kLobeBias);
@@ -238,7 +239,7 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
     }
     if (map_share == 0.0) return;
     const glm::dvec3 mean = 2.0 * glm::dvec3(linear_lookup(*textures_.normals, 0, point.place)) - 1.0;
-    // multum_movmf_magnified(); level 0 of the map is one finer than the lobes' own.
+    // Follows multum_movmf_magnified(). Level 0 of the map is one level finer than level 0 of the lobes.
     const double length = std::max(glm::length(mean), 1e-9);
     const double seen = std::exp2(2.0 * std::min(level + 1.0, 0.5) - 1.0);
     sums[0] += map_share * turned_lobe(point, {mean * ((1.0 - seen + seen * std::min(length, 1.0)) / length), 1.0});

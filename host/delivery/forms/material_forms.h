@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The forms that a material's normals can have in a model, and their errors in pictures of the model as engines draw
-// them. The cheapest form whose error is within a fifth of a point of the least is chosen.
+// Measures the possible forms of a material's normals in a model by their errors in pictures, drawn as engines draw
+// them. Chooses the cheapest form whose error is within a fifth of a point of the least error.
 #pragma once
 
 #include <array>
@@ -16,16 +16,18 @@
 
 namespace multum {
 
-/// Levels of one size. All have `normals` + roughness or the surface's channels as shares.
+/// Textures of a material with levels of one size. Every material has `normals`, and roughness or the surface's
+/// channels as shares.
 struct FormTextures {
-  const SharesTexture* averages = nullptr;  // mean normals, rounded as a mip of the map has them; alpha: mean roughness
+  const SharesTexture* averages = nullptr;  // mean normals, rounded like a mip of the map; alpha: mean roughness
   const SharesTexture* normals = nullptr;   // of fitted lobes
   const SharesTexture* surface = nullptr;   // green: their roughness; blue: metalness. Null: both are 1
   double metallic_factor = 1.0;
-  double colour = 0.5;  // of the base, grey
+  double colour = 0.5;  // base colour, grey
 };
 
-/// One normal and roughness a texel: the normal averaged or fitted, roughness by a share of what normals add.
+/// One normal and roughness per texel: the normal is averaged or fitted; roughness includes a share of the normals'
+/// part.
 struct LevelForm {
   bool has_fitted_normals = false;
   double fitted_share = 0.0;  // mixed_roughness()
@@ -34,10 +36,10 @@ struct LevelForm {
   bool operator==(const LevelForm&) const = default;
 };
 
-/// Perceptual roughness with a share of what a fit adds to the square of alpha.
+/// Returns perceptual roughness with a share of the increase of alpha squared that a fit makes.
 double mixed_roughness(double plain, double fitted, double share);
 
-/// By level; level 0 is plain.
+/// Forms by level; level 0 is plain.
 struct NormalForm {
   std::vector<LevelForm> levels;
 
@@ -50,7 +52,7 @@ struct NormalForm {
   bool has_fitted_normals() const;
 };
 
-/// Pictures whose error is one number: of one distance, and of one of the simple shapes where there is no model.
+/// Pictures that share one error number: of one distance, and without a model also of one simple shape.
 struct FormView {
   double distance = 0.0;
   std::string shape;  // ModelPicture::shape
@@ -58,39 +60,40 @@ struct FormView {
   auto operator<=>(const FormView&) const = default;
 };
 
-/// Relative L1 error, in per cent, by view.
+/// Relative L1 error in percent, by view.
 struct FormError {
   std::vector<double> by_view;
   double mean = 0.0;
 };
 
 struct FormMeterSettings {
-  Engine engine = Engine::kThree;  // of normals() and improve()
-  bool has_points = true;          // points() and lobes() are asked for
+  Engine engine = Engine::kThree;  // engine of normals() and improve()
+  bool has_points = true;          // points() and lobes() are needed
   int threads = 1;
 };
 
 class FormMeter {
  public:
-  /// All that it is given must outlive it.
+  /// All arguments must outlive this object.
   FormMeter(const FormTextures& textures, const std::vector<ModelPicture>& pictures, const FormMeterSettings& settings);
 
-  const std::vector<FormView>& views() const { return views_; }  // ascending; empty: nothing is seen
+  const std::vector<FormView>& views() const { return views_; }  // ascending; empty: nothing is visible
 
   int level_count() const { return textures_.averages->frame().level_count; }
 
-  /// As the engine draws it, once a pixel.
+  /// Returns the error with one evaluation per pixel, as the engine draws.
   FormError normals(const NormalForm& form) const;
-  /// Changes one level after the other to what lowers the mean of errors most, as long as no view's error is above
-  /// `limits`. Levels that are too coarse for all but a few pixels are one with the last before them.
+  /// Changes one level after the other so that the mean error drops most, while the error of each view stays below
+  /// `limits`. Levels that are too coarse for all but a few pixels follow the last level before them.
   void improve(NormalForm& form, const std::vector<double>& limits) const;
-  /// The share of the errors that comes from the references' own samples, by their halves.
+  /// Returns the error from the references' own sampling, estimated from two halves of the samples.
   FormError noise() const;
-  /// At 2 x 2 points of each pixel, with the variance of slopes: addPoints() of @multum/three.
+  /// Returns the error with 2 x 2 points per pixel and the variance of slopes: addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
-  /// As addLobes() of @multum/three draws them with 4 evaluations, beside textures of this form.
+  /// Returns the error of lobes with 4 evaluations, as addLobes() of @multum/three draws them, with textures of this
+  /// form.
   FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
-  /// The same in colour, of lobes that have colours: all have their texel's, or each its own.
+  /// Errors in colour, for lobes that have colours: with the texel's mean colour, or with each lobe's own colour.
   struct Coloured {
     FormError mean, own;
   };
@@ -114,15 +117,15 @@ class FormMeter {
     const ModelPixel* pixel;
     std::size_t view;  // in views_
     FormLight reference, noise;
-    FormLight weights;           // of differences from it in the error, per cent
-    Looked middle;               // as the engine sees it
-    std::vector<Looked> beside;  // a pixel to the right, and one below, where its roughness depends on them
+    FormLight weights;           // weights of differences in the error, percent
+    Looked middle;               // the pixel's middle as the engine reads it
+    std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness depends on them
     std::vector<Looked> points;  // at 2 x 2 points
   };
-  // Base colours of a pixel, grey.
+  // Grey base colours of a pixel.
   struct PixelColours {
     double mean = 0.5;
-    std::vector<double> factors = {};  // of lobes; empty: 1
+    std::vector<double> factors = {};  // factors of lobes; empty: 1
   };
   static PixelColours colours_of(const ModelPixel& pixel, const LobeLevels& lobes);
   struct Bent {  // a normal of a form, in world space
@@ -131,9 +134,9 @@ class FormMeter {
   };
   void prepare(Measured& at) const;
   Looked look(const SurfacePoint& point, const ModelPixel& pixel, int anisotropy_max, double bias) const;
-  // `lobes`: has the colours; null: they are all one.
+  // The reference of a pixel. `lobes`: has the colours; null: all colours are equal.
   struct Reference {
-    FormLight light, noise;  // how far its samples' halves are from it
+    FormLight light, noise;  // noise: distance of both sample halves from the reference
   };
   Reference reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes) const;
   static Bent bent(const SurfacePoint& point, const Looked& looked, const NormalForm& form, const EngineFilter& filter);
@@ -145,7 +148,7 @@ class FormMeter {
   template <typename Shade>
   std::vector<double> contributions(const Shade& shade) const;
   FormError errors_of(const std::vector<double>& contributions) const;
-  int last_seen_level() const;  // the coarsest that some pixels are of; those beyond are one with it
+  int last_seen_level() const;  // the coarsest level that several pixels see; coarser levels share its form
   std::vector<std::size_t> pixels_of_levels(int first, int last) const;
 
   const FormTextures textures_;
@@ -156,16 +159,17 @@ class FormMeter {
   std::vector<Measured> pixels_;
 };
 
-/// The form of least mean error that is found, among those that are in no view more than kFormTolerance worse than
-/// `kept`; that one where none is better by kFormGain.
+/// The best form that the search finds: least mean error, with no view's error more than kFormTolerance above the error
+/// of `kept`. If no form improves the mean by kFormGain, the result is `kept`.
 struct ChosenNormalForm {
   NormalForm form;
-  FormError plain, fitted, chosen;  // fitted: all levels from 1 on, with all of the roughness
+  FormError plain, fitted, chosen;  // fitted: levels 1 and coarser, with the full roughness
 };
 ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept);
 
-constexpr double kFormGain = 0.2;        // points, or
-constexpr double kFormGainShare = 0.05;  // of the error, whichever is more: pictures are that much unlike an engine's
-constexpr double kFormTolerance = 0.1;   // points, of any view
+constexpr double kFormGain = 0.2;  // points, or
+// Share of the error; the larger gain counts. Pictures differ from an engine's pictures by about this share.
+constexpr double kFormGainShare = 0.05;
+constexpr double kFormTolerance = 0.1;  // points, for each view
 
 }  // namespace multum

@@ -17,13 +17,14 @@ namespace multum {
 namespace {
 
 constexpr std::uint32_t kNothing = ~0u;
-constexpr int kPictureSide = 240;                                     // pixels
-constexpr int kSamplesPerSide = 8;                                    // of a pixel
-const double kPlaneHalf = std::tan(22.5 * std::numbers::pi / 180.0);  // of the picture, at distance 1: 45 degrees
-// Pixels whose middle sees the surface at a smaller angle than this cosine are edges.
+constexpr int kPictureSide = 240;   // pixels
+constexpr int kSamplesPerSide = 8;  // of a pixel
+// Half of the picture at distance 1: the field of view is 45 degrees.
+const double kPlaneHalf = std::tan(22.5 * std::numbers::pi / 180.0);
+// Pixels are edges if their middle sees the surface at a cosine below this value.
 constexpr double kFacingMin = 0.02;
 
-// Distances in radii of the model's sphere, and how many sides it is seen from: far ones have few pixels each.
+// A distance in radii of the model's sphere, and its number of views. Distant views have few pixels each.
 struct PicturedDistance {
   double radii;
   int side_count;
@@ -51,16 +52,16 @@ struct ModelPictures::View {
   double distance = 0.0;
   glm::dvec3 eye{0.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0}, forward{0.0, 0.0, -1.0};
   int left = 0, top = 0, width = 0, height = 0;  // pixels of the picture that the model may cover
-  std::vector<std::uint32_t> triangles;          // by sample of these pixels
+  std::vector<std::uint32_t> triangles;          // triangle at each sample of these pixels
 
   std::size_t sample_at(int x, int y) const { return size_of(y) * size_of(width * kSamplesPerSide) + size_of(x); }
 
-  // Direction of a place of the picture, in pixels.
+  // Returns the direction through a place of the picture, in pixels.
   glm::dvec3 ray(double x, double y) const {
     const double scale = 2.0 * kPlaneHalf / kPictureSide, half = 0.5 * kPictureSide;
     return forward + (x - half) * scale * right - (y - half) * scale * up;
   }
-  // A place of the picture in pixels, and the depth.
+  // Returns a place of the picture in pixels, and the depth.
   glm::dvec3 projected(const glm::dvec3& position) const {
     const glm::dvec3 seen = position - eye;
     const double depth = glm::dot(seen, forward), scale = 0.5 * kPictureSide / (kPlaneHalf * depth);
@@ -73,7 +74,7 @@ struct ModelPictures::View {
     forward = -direction;
     right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
     up = glm::cross(right, forward);
-    // The tangent cone of the sphere.
+    // Uses the tangent cone of the sphere.
     const double reach = radius / std::sqrt(std::max(1e-9, far * far - radius * radius)) / kPlaneHalf;
     const double half = 0.5 * kPictureSide, side = std::min(half, std::ceil(half * reach) + 1.0);
     left = top = static_cast<int>(half - side);
@@ -83,7 +84,7 @@ struct ModelPictures::View {
   void draw(const TriangleMesh& mesh);
 };
 
-// Depth of the plane through three points of the picture: 1 / depth is linear over it.
+// Draws triangles with the depth of their planes: 1 / depth is linear over the picture.
 void ModelPictures::View::draw(const TriangleMesh& mesh) {
   const int columns = width * kSamplesPerSide, rows = height * kSamplesPerSide;
   triangles.assign(size_of(columns) * size_of(rows), kNothing);
@@ -91,13 +92,13 @@ void ModelPictures::View::draw(const TriangleMesh& mesh) {
   std::vector<glm::dvec3> corners(mesh.positions.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     corners[i] = projected(glm::dvec3(mesh.positions[i]));
-    corners[i].x = (corners[i].x - left) * kSamplesPerSide - 0.5;  // a sample's middle is a whole number
+    corners[i].x = (corners[i].x - left) * kSamplesPerSide - 0.5;  // samples have their middles at whole numbers
     corners[i].y = (corners[i].y - top) * kSamplesPerSide - 0.5;
   }
   for (std::size_t t = 0; 3 * t + 2 < mesh.indices.size(); ++t) {
     const glm::dvec3 &a = corners[mesh.indices[3 * t]], &b = corners[mesh.indices[3 * t + 1]],
                      &c = corners[mesh.indices[3 * t + 2]];
-    if (std::min({a.z, b.z, c.z}) <= 0.0) continue;  // the eye is outside of the sphere: rounding alone
+    if (std::min({a.z, b.z, c.z}) <= 0.0) continue;  // only by rounding: the eye is outside the sphere
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (!(std::abs(area) > 1e-12)) continue;
     const auto bound = [](double value, int count) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * count)); };
@@ -125,7 +126,7 @@ void ModelPictures::View::draw(const TriangleMesh& mesh) {
 
 namespace {
 
-// Where rays meet a triangle's plane.
+// Intersects rays with a triangle's plane.
 class PictureTriangle {
  public:
   PictureTriangle(const TriangleMesh& mesh, std::uint32_t triangle, const PicturedSurface& surface)
@@ -137,7 +138,7 @@ class PictureTriangle {
     edge_c_ = corner(2) - origin_;
   }
 
-  // Möller and Trumbore 1997; nullopt: the ray runs along the plane.
+  // Intersects as in Möller and Trumbore 1997; nullopt: the ray is parallel to the plane.
   std::optional<SurfacePoint> at(const glm::dvec3& eye, const glm::dvec3& ray) const {
     const glm::dvec3 p = glm::cross(ray, edge_c_), s = eye - origin_, q = glm::cross(s, edge_b_);
     const double determinant = glm::dot(edge_b_, p);
@@ -163,7 +164,7 @@ class PictureTriangle {
     if (!(along > 1e-9)) return std::nullopt;
     made.tangent /= along;
     made.bitangent = handedness * glm::cross(made.normal, made.tangent);
-    // Surfaces that are seen from behind are drawn as if they faced the eye.
+    // Back faces are drawn as if they faced the eye.
     if (glm::dot(glm::cross(edge_b_, edge_c_), ray) > 0.0 && glm::dot(made.normal, ray) > 0.0) {
       made.normal = -made.normal;
       made.tangent = -made.tangent;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures of a model, some pixels of each: what lies under their middles, as a renderer shades it, and under
-// many samples, as it ought to be shaded. Triangles are drawn into a buffer of the nearest one at every sample (a
-// visibility buffer; Burns and Hunt 2013), from several sides and distances, as large as a person sees the model.
+// Samples small pictures of a model at some of their pixels. For each pixel it finds the surface under the middle, as a
+// renderer shades it, and the surface under many samples, as the reference shades it. A visibility buffer holds the
+// nearest triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances,
+// as large as a person sees it.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +20,10 @@
 
 namespace multum {
 
-/// A place on the surface, and its differences: what an interpolated value changes by.
+/// A place on the surface, or a difference of places: the change of interpolated values.
 struct SurfacePoint {
   glm::dvec3 position{0.0}, normal{0.0, 0.0, 1.0}, tangent{1.0, 0.0, 0.0}, bitangent{0.0, 1.0, 0.0};
-  glm::dvec2 place{0.0};  // in the image, 0 to 1 across it, from its top left corner
+  glm::dvec2 place{0.0};  // place in the image, 0 to 1, from its top left corner
 
   SurfacePoint operator+(const SurfacePoint& other) const;
   SurfacePoint operator-(const SurfacePoint& other) const;
@@ -30,36 +31,36 @@ struct SurfacePoint {
 };
 
 struct ModelPixel {
-  SurfacePoint middle;            // of the triangle under the pixel's middle
-  SurfacePoint along_x, along_y;  // what it changes by from pixel to pixel, on that triangle's plane
+  SurfacePoint middle;            // on the triangle under the pixel's middle
+  SurfacePoint along_x, along_y;  // change from pixel to pixel, on the plane of the same triangle
   std::vector<SurfacePoint> samples;
 };
 
 struct ModelPicture {
-  double distance = 0.0;   // of the eye from the model's middle, in its units
-  std::string shape = {};  // host/delivery/forms/simple_views.h; empty: a model
+  double distance = 0.0;   // distance from the eye to the model's middle, in model units
+  std::string shape = {};  // shape of host/delivery/forms/simple_views.h; empty: a model
   glm::dvec3 eye{0.0};
-  glm::dmat3 to_view{1.0};  // turns directions to the space of the view
+  glm::dmat3 to_view{1.0};  // turns directions into view space
   std::vector<ModelPixel> pixels;
 };
 
-/// Which triangles are asked for, and where their texels are.
+/// The triangles of a surface, and the positions of their texels.
 struct PicturedSurface {
-  std::vector<int> materials;                                // by index in the file
-  std::function<glm::dvec2(const glm::dvec2&)> place_of_uv;  // from the mesh's own, whose v grows upwards
+  std::vector<int> materials;                                // indices in the file
+  std::function<glm::dvec2(const glm::dvec2&)> place_of_uv;  // converts the mesh's coordinates, whose v grows upwards
 };
 
-/// What is seen of a whole model, drawn once for all its surfaces.
+/// Pictures of a whole model, drawn once for all its surfaces.
 class ModelPictures {
  public:
-  /// Progress: cancels. `mesh` must outlive it.
+  /// Progress: cancels. `mesh` must outlive this object.
   ModelPictures(const TriangleMesh& mesh, int threads, Progress* progress);
   ~ModelPictures();
   ModelPictures(const ModelPictures&) = delete;
   ModelPictures& operator=(const ModelPictures&) = delete;
 
-  /// Pixels that the surface covers by at least half, in every picture where there are some: at most `pixel_max` each,
-  /// evenly spread over them.
+  /// Returns pixels that the surface covers by at least half, in every picture that has such pixels. At most
+  /// `pixel_max` pixels per picture are evenly chosen.
   std::vector<ModelPicture> of(const PicturedSurface& surface, std::size_t pixel_max) const;
 
  private:
@@ -69,7 +70,7 @@ class ModelPictures {
   std::vector<View> views_;
 };
 
-/// A sphere of radius 1 whose texture goes round it twice: for materials that are on no model.
+/// Makes a sphere of radius 1 whose texture repeats twice around it, for materials that no model uses.
 TriangleMesh textured_sphere();
 
 }  // namespace multum

@@ -15,22 +15,22 @@ namespace multum {
 namespace {
 
 constexpr int kSimpleSamples = 8;           // of a pixel
-constexpr double kSimpleTexelsMost = 32.0;  // a pixel: coarser levels are as the last one
-constexpr double kSpherePixelsMin = 4.0;    // of its radius
-constexpr double kSphereRim = 0.9;          // of its area, the rest is edges
-// Of a plane that is seen from above, and of one that is not: degrees.
+constexpr double kSimpleTexelsMost = 32.0;  // per pixel; coarser views reuse the last level
+constexpr double kSpherePixelsMin = 4.0;    // smallest radius of the sphere
+constexpr double kSphereRim = 0.9;          // share of the sphere's area; the rest counts as edges
+// Tilts of the plane seen from above, and of the tilted plane, in degrees.
 constexpr double kTilts[] = {0.0, 35.0, 75.0};
-constexpr double kPoleMost = 1.4;  // of a sphere's height, radians: frames turn fast beyond
-constexpr double kFar = 1e7;       // of the eye, in texels: all rays are parallel
+constexpr double kPoleMost = 1.4;  // largest latitude on the sphere, radians: frames turn fast near the poles
+constexpr double kFar = 1e7;       // distance of the eye, in texels: all rays are parallel
 constexpr const char *kPlane = "plane", *kTiltedPlane = "tilted plane", *kSphere = "sphere";
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// Numbers from 0 to 1 that are evenly spread over as many axes as are asked for (Kronecker's sequence).
+// Generates numbers from 0 to 1 that are evenly spread over any number of axes (Kronecker's sequence).
 class EvenNumbers {
  public:
   explicit EvenNumbers(std::size_t index) : index_(static_cast<double>(index)) {}
   double next() {
-    // Powers of the inverse of the root of x^9 = x + 1: Roberts's generalised golden ratio, of eight axes.
+    // Powers of the inverse of the root of x^9 = x + 1: Roberts's generalized golden ratio, for eight axes.
     power_ /= 1.085070245491451;
     const double value = 0.5 + index_ * power_;
     return value - std::floor(value);
@@ -40,7 +40,7 @@ class EvenNumbers {
   double index_, power_ = 1.0;
 };
 
-// From where a pixel is seen: as models are, from all round and a little above.
+// The viewing direction of a pixel. As for models, directions are all around and slightly from above.
 struct Side {
   glm::dvec3 towards_eye{0.0, 0.0, 1.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
   double pixel = 1.0;  // texels
@@ -50,11 +50,11 @@ struct Side {
     right = glm::normalize(glm::cross(glm::dvec3(0.0, 1.0, 0.0), towards_eye));
     up = glm::cross(towards_eye, right);
   }
-  // A point of the plane that is looked through, `x` and `y` pixels from the middle, y downwards.
+  // Returns a point of the picture plane, `x` and `y` pixels from the middle, y downwards.
   glm::dvec3 screen(double x, double y) const { return pixel * (x * right - y * up); }
 };
 
-// What a ray of a pixel meets; nullopt: nothing.
+// Returns the surface that a ray of a pixel hits; nullopt: none.
 using Seen = std::function<std::optional<SurfacePoint>(double x, double y)>;
 
 // Texels and parts of the map.
@@ -89,7 +89,7 @@ Seen sphere_of(const Side& side, const MapSize& map, EvenNumbers& numbers) {
   const double radius = map.width / std::numbers::pi;
   const double out = radius / side.pixel * std::sqrt(kSphereRim * numbers.next()), turn = kTurn * numbers.next();
   const glm::dvec2 middle(out * std::cos(turn), out * std::sin(turn)), first(numbers.next(), numbers.next());
-  // The pixel's own place goes before: a map has no seam.
+  // The wrap is relative to the pixel's own place, so that the map has no seam.
   const auto position_at = [=](double x, double y) -> std::optional<glm::dvec3> {
     const glm::dvec3 through = side.screen(middle.x + x, middle.y + y);
     const double depth = radius * radius - glm::dot(through, through);
@@ -110,7 +110,7 @@ Seen sphere_of(const Side& side, const MapSize& map, EvenNumbers& numbers) {
   };
 }
 
-// Nothing where the pixel is on an edge.
+// Returns nullopt if the pixel is on an edge.
 std::optional<ModelPixel> pixel_of(const Seen& seen) {
   const auto middle = seen(0.0, 0.0), right = seen(0.5, 0.0), left = seen(-0.5, 0.0), below = seen(0.0, 0.5),
              above = seen(0.0, -0.5);

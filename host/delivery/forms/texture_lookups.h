@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lookups of textures' levels as engines' samplers make them (OpenGL 4.6, section 8.14;
-// EXT_texture_filter_anisotropic), in double.
+// Looks up texture levels like the samplers of engines (OpenGL 4.6, section 8.14; EXT_texture_filter_anisotropic), in
+// double precision.
 #pragma once
 
 #include <array>
@@ -17,30 +17,30 @@
 
 namespace multum {
 
-/// Which texels a sampler takes beyond the borders.
+/// Returns the texel that a sampler reads beyond the borders.
 int wrapped_texel(int i, int size, WrapMode mode);
 
-/// Sides of a texture, and how it wraps.
+/// Size of a texture, and its wrap modes.
 struct TextureFrame {
   int width = 0, height = 0, level_count = 0;
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
 };
 
-/// A texture's levels, channels as shares, 0 to 1.
+/// The levels of a texture; channels are shares, 0 to 1.
 class SharesTexture {
  public:
   explicit SharesTexture(const TextureFrame& frame) : frame_(frame) {}
   virtual ~SharesTexture() = default;
 
   const TextureFrame& frame() const { return frame_; }
-  /// Any number of threads may ask at once.
+  /// Can be called from any number of threads at once.
   virtual glm::dvec4 texel(int level, int x, int y) const = 0;
 
  private:
   TextureFrame frame_;
 };
 
-/// Bilinear; `place` is 0 to 1 across the image.
+/// Looks up bilinearly; `place` is 0 to 1 across the image.
 template <typename Texture>
 glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& place) {
   const TextureFrame& frame = texture.frame();
@@ -54,14 +54,14 @@ glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& pl
          v * ((1.0 - u) * texture.texel(level, left, below) + u * texture.texel(level, right, below));
 }
 
-/// Places and levels whose mean is a pixel's value: one set serves all textures of a size.
+/// Places and levels whose mean is a pixel's value. One set serves all textures of a size.
 struct PixelTaps {
   std::array<int, 2> levels{};  // finer, coarser
   double coarser_share = 0.0;
   std::vector<glm::dvec2> places;
 
-  /// As engines' samplers do. `along_x`, `along_y`: what the place changes by from pixel to pixel. `bias`: octaves
-  /// that are added to the level; it moves no tap.
+  /// Chooses taps like the samplers of engines. `along_x`, `along_y`: change of the place from pixel to pixel. `bias`:
+  /// octaves that are added to the level; it moves no tap.
   static PixelTaps of(const glm::dvec2& place, const glm::dvec2& along_x, const glm::dvec2& along_y,
                       const TextureFrame& frame, int anisotropy_max, double bias);
 

@@ -26,12 +26,12 @@ struct ByteRange {
 
 std::uint64_t aligned(std::uint64_t at) { return (at + kAlignment - 1) / kAlignment * kAlignment; }
 
-// Where bytes of a buffer go.
+// The new position of a buffer's bytes.
 struct BufferPlace {
   bool is_merged = false;
-  std::size_t index = 0;        // of the buffer after
-  std::uint64_t base = 0;       // of its first byte in the merged one
-  std::vector<ByteRange> cuts;  // in order; multiples of kAlignment long
+  std::size_t index = 0;        // index of the new buffer
+  std::uint64_t base = 0;       // offset of its first byte in the merged buffer
+  std::vector<ByteRange> cuts;  // ordered ranges; lengths are multiples of kAlignment
 
   std::uint64_t moved(std::uint64_t offset) const {
     std::uint64_t cut = 0;
@@ -64,7 +64,7 @@ class GlbLayout {
   bool has_bytes() const { return has_bytes_; }
   std::uint64_t length() const { return length_; }
 
-  // Bytes of the merged buffer in order, padded as a chunk is.
+  // Writes the bytes of the merged buffer in order, padded like a chunk.
   void write(OutputFile& file, Progress* progress) const {
     std::uint64_t at = 0;
     const auto pad_to = [&](std::uint64_t offset) {
@@ -112,7 +112,7 @@ class GlbLayout {
     return count;
   }
 
-  // All that have bytes become one, but for those that carry more than bytes: these stay buffers of their own.
+  // Merges all buffers that have bytes. Buffers with further properties remain separate.
   void choose_buffers() {
     has_bytes_ = !contents_.empty() || std::any_of(asset_.buffers.begin(), asset_.buffers.end(),
                                                    [](const auto& buffer) { return buffer.has_value(); });
@@ -130,7 +130,7 @@ class GlbLayout {
     }
   }
 
-  // Calls use(object) for all that name bytes of a buffer: buffer views, and what extensions have of their kind.
+  // Calls use(object) for all objects that refer to buffer bytes: buffer views, and similar objects of extensions.
   template <typename Use>
   static void for_each_reference(GltfJson& value, const Use& use) {
     if (value.is_object() && unsigned_at(value, "buffer")) use(value);
@@ -140,7 +140,7 @@ class GlbLayout {
 
   void find_cuts() {
     std::vector<std::vector<ByteRange>> claimed(places_.size());
-    bool is_clear = true;  // are all ranges known that are in use?
+    bool is_clear = true;  // all used ranges are known
     std::size_t view = 0;
     const auto claim = [&](const GltfJson& reference) {
       const std::uint64_t buffer = *unsigned_at(reference, "buffer");
@@ -233,7 +233,7 @@ class GlbLayout {
   GltfJson& json_;
   const ViewContents& contents_;
   std::vector<BufferPlace> places_;
-  bool has_bytes_ = false;              // is there a merged buffer?
+  bool has_bytes_ = false;              // there is a merged buffer
   GltfJson head_ = GltfJson::object();  // its object
   std::map<std::size_t, std::uint64_t> offsets_;
   std::uint64_t length_ = 0;
@@ -258,8 +258,7 @@ std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContent
   const std::uint64_t binary_chunk = layout.has_bytes() ? 8 + binary : 0;
   const std::uint64_t total = 12 + 8 + text.size() + binary_chunk + asset.other_chunks.size();
   if (total > std::numeric_limits<std::uint32_t>::max())
-    asset.refuse(
-        fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is all that GLB holds", total));
+    asset.refuse(fmt::format("would give a file of {} bytes, expected less than 4 GiB, the limit of GLB", total));
   AtomicFile file(output);
   OutputFile bytes(file);
   const auto add = [&](const std::string& part) { write_or_throw(bytes, part.data(), part.size()); };

@@ -36,19 +36,18 @@ GlbParts split_chunks(std::string_view bytes, const std::string& path) {
   if (const std::uint32_t version = number_at(bytes, 4); version != 2)
     refuse_file(path, fmt::format("is a GLB file of version {}, expected 2", version));
   if (const std::uint32_t length = number_at(bytes, 8); length != bytes.size())
-    refuse_file(path,
-                fmt::format("is a damaged GLB file: it says that it has {} bytes, found {}", length, bytes.size()));
+    refuse_file(path, fmt::format("is a damaged GLB file: its header says {} bytes, found {}", length, bytes.size()));
   GlbParts parts;
   std::size_t at = kGlbHeader;
   for (int chunk = 0; at < bytes.size(); ++chunk) {
     const std::size_t left = bytes.size() - at;
     const std::size_t length = left < kChunkHeader ? 0 : number_at(bytes, at);
     if (left < kChunkHeader || length > left - kChunkHeader)
-      refuse_file(path, fmt::format("is a damaged GLB file: its chunk {} of {} bytes is not all there", chunk, length));
+      refuse_file(path, fmt::format("is a damaged GLB file: its chunk {} of {} bytes is incomplete", chunk, length));
     const std::uint32_t type = number_at(bytes, at + 4);
     const std::string_view data = bytes.substr(at + kChunkHeader, length);
     if ((chunk == 0) != (type == kJsonChunk))
-      refuse_file(path, "is a damaged GLB file: expected its first chunk, and no other, to be JSON");
+      refuse_file(path, "is a damaged GLB file: expected JSON in the first chunk only");
     if (chunk == 0) parts.json = data;
     else if (chunk == 1 && type == kBinaryChunk) parts.binary = data;
     else parts.others = bytes.substr(at);
@@ -66,9 +65,9 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   std::size_t count = 0;
   const auto check = [&](int depth, nlohmann::detail::parse_event_t, GltfJson&) {
     if (depth > kGltfDepthMax)
-      refuse_file(path, fmt::format("nests its JSON deeper than {} levels, which is refused", kGltfDepthMax));
+      refuse_file(path, fmt::format("nests its JSON deeper than {} levels, the limit", kGltfDepthMax));
     if (++count > kGltfValuesMax)
-      refuse_file(path, fmt::format("has more than {} values in its JSON, which is refused", kGltfValuesMax));
+      refuse_file(path, fmt::format("has more than {} values in its JSON, the limit", kGltfValuesMax));
     return true;
   };
   try {
@@ -76,13 +75,13 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
     if (!json.is_object()) refuse_file(path, "is damaged: its JSON is not an object");
     return json;
   } catch (const GltfJson::parse_error& error) {
-    refuse_file(path, fmt::format("is damaged: its JSON cannot be parsed from byte {} on", error.byte));
+    refuse_file(path, fmt::format("is damaged: its JSON cannot be parsed at byte {}", error.byte));
   }
 }
 
-// A URI's bytes, up to a number: its own, or a file's.
+// Returns up to a given number of bytes of a URI: embedded bytes, or the bytes of a file.
 std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
-  if (!uri.is_string()) asset.refuse(what + " has a URI that is no text");
+  if (!uri.is_string()) asset.refuse(what + " has a URI that is not a string");
   return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);
 }
 
@@ -92,13 +91,13 @@ void read_buffers(GltfAsset& asset, bool is_glb, std::optional<std::string_view>
     const auto length = unsigned_at(buffer, "byteLength");
     if (!length) asset.refuse(what + " has no byteLength");
     if (*length > kModelBytesMax)
-      asset.refuse(fmt::format("{} says that it has {} bytes, expected less than 4 GiB", what, *length));
+      asset.refuse(fmt::format("{} declares {} bytes, expected less than 4 GiB", what, *length));
     std::optional<std::string> bytes;
     if (buffer.contains("uri")) bytes = bytes_of_uri(asset, buffer.at("uri"), what, *length);
     else if (is_glb && asset.buffers.empty() && binary) bytes = std::string(*binary);
     else if (!buffer.contains("extensions")) asset.refuse(what + " has neither a URI nor bytes in the file");
     if (bytes && bytes->size() < *length)
-      asset.refuse(fmt::format("{} says that it has {} bytes, found {}", what, *length, bytes->size()));
+      asset.refuse(fmt::format("{} declares {} bytes, found {}", what, *length, bytes->size()));
     if (bytes) bytes->resize(*length);
     asset.buffers.push_back(std::move(bytes));
   }
@@ -114,7 +113,7 @@ void check_views(const GltfAsset& asset) {
     if (!length || (view.contains("byteOffset") && !unsigned_at(view, "byteOffset")))
       asset.refuse(what + " has a byteOffset or byteLength that is not a number of bytes");
     if (offset > all || *length > all - offset)
-      asset.refuse(fmt::format("{} has bytes {} to {} of a buffer of {}", what, offset, offset + *length, all));
+      asset.refuse(fmt::format("{} has bytes {} to {} of a buffer of {} bytes", what, offset, offset + *length, all));
   }
 }
 
@@ -125,7 +124,7 @@ void check_images(const GltfAsset& asset) {
     if (image.contains("bufferView")) {
       const std::size_t view = asset.index(image, "bufferView", "bufferViews");
       if (!asset.buffers[asset.index(asset.array("bufferViews").at(view), "buffer", "buffers")])
-        asset.refuse(what + " lies in a buffer that has no bytes in the file");
+        asset.refuse(what + " is in a buffer that has no bytes in the file");
     } else if (!image.contains("uri") || !image.at("uri").is_string()) {
       asset.refuse(what + " has neither a URI nor a buffer view");
     } else if (const auto& uri = image.at("uri").get_ref<const std::string&>(); !uri.starts_with("data:")) {
@@ -183,7 +182,7 @@ GltfAsset read_gltf_asset(const std::string& path) {
       about != asset.json.end() && about->is_object() && about->contains("version") && about->at("version").is_string();
   const std::string version = has_version ? about->at("version").get<std::string>() : "";
   if (!version.starts_with("2."))
-    asset.refuse(fmt::format("is glTF of version '{}', expected 2.0", version.substr(0, 20)));
+    asset.refuse(fmt::format("has glTF version '{}', expected 2.0", version.substr(0, 20)));
   check_gltf_indices(asset.json, path);
   read_buffers(asset, is_glb, parts.binary);
   check_views(asset);

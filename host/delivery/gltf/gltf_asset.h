@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a glTF 2.0 or GLB file with all that it holds and names, for programs that write it again: its JSON with every
-// key in its place, the bytes of its buffers, and those of its images. What is damaged, or reaches beyond what is
-// there, is refused before anything is done with it.
+// Reads a glTF 2.0 or GLB file with all its contents and referenced files, for programs that write the file again. JSON
+// keys keep their order; the bytes of buffers and images are loaded. Damaged files and references out of range are
+// refused before anything else happens.
 #pragma once
 
 #include <cstddef>
@@ -21,43 +21,43 @@ using GltfJson = nlohmann::ordered_json;
 struct GltfAsset {
   std::string path;
   GltfJson json;  // an object
-  // Bytes by buffer, as many as it says; none of a buffer that has none in the file: extensions fill it
-  // (EXT_meshopt_compression's fallback).
+  // Bytes by buffer, as many as the file declares. A buffer without bytes in the file is unset: extensions fill it
+  // (fallback buffers of EXT_meshopt_compression).
   std::vector<std::optional<std::string>> buffers;
-  std::string other_chunks;  // of a GLB, behind its bytes: whole chunks, as they are
+  std::string other_chunks;  // whole chunks of a GLB after its bytes, unchanged
 
   /// Throws Error(kInput) naming the file.
   [[noreturn]] void refuse(const std::string& what) const;
-  /// One of the arrays at the top: "materials". Empty where there is none. All its elements are objects.
+  /// Returns a top-level array such as "materials", or an empty one if the file has none. All elements are objects.
   const GltfJson& array(const char* name) const;
-  /// An index, object[key], below the length of array(name). Throws Error(kInput).
+  /// Returns the index object[key], which is below the length of array(name). Throws Error(kInput).
   std::size_t index(const GltfJson& object, const char* key, const char* name) const;
-  /// Bytes of a buffer view that has some.
+  /// Returns the bytes of a buffer view. The view must have bytes.
   std::string_view view_bytes(std::size_t view) const;
 };
 
-/// Limits of the JSON: of its text, of the values in it and of their depth. They hold models of any use, and keep the
-/// memory that a small file can ask for within some gigabytes.
+/// Limits of the JSON: text bytes, number of values and depth. They allow all practical models, and limit the memory
+/// for a small malicious file to a few gigabytes.
 constexpr std::size_t kGltfJsonBytesMax = std::size_t{64} << 20;
 constexpr std::size_t kGltfValuesMax = 8'000'000;
 constexpr int kGltfDepthMax = 64;
 
-/// A .glb is read as GLB, everything else as JSON. Checks the frame of the file, and every buffer, buffer view and
-/// image, and every index. Throws Error(kInput): unreadable, damaged, another version, NUL in a text, a file named that
-/// is not a regular one beside it or below.
+/// Reads .glb as GLB and every other file as JSON. Checks the file's frame and every buffer, buffer view, image and
+/// index. Throws Error(kInput) if the file is unreadable, damaged or of another version, if a text contains NUL, or if
+/// a referenced file is not a regular file in the same folder or below.
 GltfAsset read_gltf_asset(const std::string& path);
 
-/// An image's bytes, and whether they lie outside the file's buffers: in a file beside it, or a data URI.
+/// An image's bytes, and whether they are outside the file's buffers: in a separate file, or in a data URI.
 struct GltfImageBytes {
   std::string bytes;
   bool is_outside = false;
 };
 GltfImageBytes read_gltf_image(const GltfAsset& asset, std::size_t image);
 
-/// "image/png" and the like, by what the bytes are; empty: of none of the kinds that glTF and its extensions have.
+/// Returns a type such as "image/png", detected from the bytes. Empty: not a type of glTF or its extensions.
 std::string gltf_image_type(std::string_view bytes);
 
-/// A non-negative integer; nullopt where there is none under this key.
+/// Returns a non-negative integer; nullopt if the key has none.
 std::optional<std::uint64_t> unsigned_at(const GltfJson& object, const char* key);
 
 }  // namespace multum

@@ -30,7 +30,7 @@ namespace {
 
 constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: of pixelWidth and pixelHeight
 
-// Files that the model is made of, the first the one that was named.
+// Returns the files of the model, the named file first.
 std::vector<std::string> input_files(const GltfAsset& asset) {
   std::vector<std::string> files = {asset.path};
   for (const char* name : {"buffers", "images"})
@@ -46,8 +46,7 @@ std::vector<std::string> input_files(const GltfAsset& asset) {
 
 void check_gltf_job(const GltfJob& job) {
   if (!job.output.ends_with(".glb")) throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
-  if (job.lobe_texels && !job.has_lobes)
-    throw Error(ErrorCode::kUsage, "--lobe-texels says how lobes are stored, and there are none; add --lobes");
+  if (job.lobe_texels && !job.has_lobes) throw Error(ErrorCode::kUsage, "--lobe-texels needs lobes; add --lobes");
   check_paths_differ({job.input}, {job.output, job.report});
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
@@ -85,7 +84,7 @@ class GltfConversion {
     for (const std::string& file : inputs) {
       std::error_code error;
       report_.bytes_before += std::filesystem::file_size(file, error);
-      if (error) asset.refuse(fmt::format("names {}, which cannot be read: {}", file, error.message()));
+      if (error) asset.refuse(fmt::format("refers to {}, which cannot be read: {}", file, error.message()));
     }
     GltfPlan plan = plan_gltf(asset, job_.is_anisotropic);
 
@@ -106,7 +105,7 @@ class GltfConversion {
     progress_stage(progress_, "write");
     RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
     for (const std::string& uri : rewritten.left_outside)
-      warn(fmt::format("image {} is of no kind that glTF has: it stays a file beside the model", uri));
+      warn(fmt::format("image {} has a type that glTF does not support; it remains a separate file", uri));
     warn_of_format(plan);
     hashes.check_unchanged(job_.input);
     report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
@@ -161,18 +160,17 @@ class GltfConversion {
       for (const auto& [name, texture] : one.storage)
         if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
-      warn(
-          fmt::format("{} of its {} new textures are KTX2 files of 8 bits a channel: outside of KHR_texture_basisu, by "
-                      "whose name they are loaded; ",
-                      plain_count, count) +
-          engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
+      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel; this is outside of "
+                       "KHR_texture_basisu, the extension that refers to them; ",
+                       plain_count, count) +
+           engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (format_ == GltfTextureFormat::kPng && count > 0)
       warn(
-          "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
-          "them");
+          "PNG has no mips: the new textures have only level 0, and the fitted levels are lost. Use --format uastc to "
+          "keep them");
   }
 
-  // A source that is not fitted after all leaves its materials as they are.
+  // If a source cannot be fitted, its materials stay unchanged.
   void report_materials(const std::vector<PreparedSource>& prepared, GltfPlan& plan) {
     std::vector<int> numbers(plan.sources.size(), -1);
     int count = 0;
@@ -193,22 +191,22 @@ class GltfConversion {
     warn_of_bad(plan);
   }
 
-  // What pictures said of it; empty: they were not asked.
+  // Returns the result of the pictures as text; empty: no pictures were drawn.
   std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
     if (material.source >= prepared.size() || report_.forms[material.source].views.empty()) return "";
     return report_.forms[material.source].to_text(true);
   }
 
-  // One bad map does not keep the others from being fitted; where there are no others, nothing would be.
+  // One bad map does not stop the fits of the others. If there are no others, the job fails.
   void warn_of_bad(const GltfPlan& plan) {
     for (const MaterialPlan& material : plan.materials) {
       if (!material.is_bad) continue;
       if (report_.fitted_count() == 0) refuse_file(job_.input, fmt::format("'{}': {}", material.name, material.kept));
-      warn(fmt::format("material '{}' stays as it was: {}", material.name, material.kept));
+      warn(fmt::format("material '{}' is unchanged: {}", material.name, material.kept));
     }
   }
 
-  // An image that cannot be used, or that is no normal map, is a reason to keep the materials that have it.
+  // Fits a source. If its image is unusable or not a normal map, the materials that use the image stay unchanged.
   std::optional<FittedSource> fit(const GltfAsset& asset, PreparedSource& source, std::size_t number) {
     try {
       return fit_source(device_, asset, source, number, fit_settings(), progress_);
@@ -238,7 +236,7 @@ class GltfConversion {
     return made;
   }
 
-  // What pictures say of a source; without them, what was asked for.
+  // Returns the form that pictures choose for a source, or the requested form if none are drawn.
   ChosenForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
     ChosenForm form;
     form.normals = NormalForm::of(fitted.normal->level_count(),
@@ -252,7 +250,7 @@ class GltfConversion {
     return form;
   }
 
-  // None where its own stay, of which `source` then says why.
+  // Returns no textures if the material keeps its own ones; `source` then has the reason.
   SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
     SourceTextures made;
     std::optional<FittedSource> found = fit(asset, source, number);
@@ -268,17 +266,17 @@ class GltfConversion {
     FittedSource fitted = std::move(*found);
     const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
-      source.kept = "its own mips are as near";
+      source.kept = "its own mips are as accurate";
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);
-      progress_advance(progress_, 2 * source.texel_count());  // of textures that need no encoding
+      progress_advance(progress_, 2 * source.texel_count());  // counts textures that need no encoding
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
     if (fitted.averages != nullptr) apply_normal_form(form.normals, fitted);
     progress_stage(progress_, "encode");
-    // Lobes need a map that has its scale in it, as they have.
+    // Lobes include the normal scale, so the normal map must include it too.
     if (form.normals.has_fitted_normals() || source.source.normal_scale != 1.0)
       made.normal = encode(fitted, fitted.normal, source, "normal");
     else progress_advance(progress_, source.texel_count());
@@ -302,17 +300,18 @@ class GltfConversion {
     return made;
   }
 
-  // What a source left in the work folder: as large as its textures are in memory.
+  // Removes a source's files from the work folder. They are as large as its textures in memory.
   static void remove_levels(const FittedSource& fitted) {
     for (const auto* levels : {&fitted.normal, &fitted.surface, &fitted.anisotropy, &fitted.averages})
       if (*levels != nullptr) remove_file((*levels)->path());
   }
   static void remove_file(const std::string& path) {
-    std::error_code ignored;  // the work folder is cleared at the end; none where `path` is empty
+    std::error_code ignored;  // the work folder is removed at the end; an empty `path` has no file
     if (!path.empty()) std::filesystem::remove(path, ignored);
   }
 
-  // What storing `levels` adds to the light's error is measured with the source's other texture as it is.
+  // Encodes `levels`, and measures how much their storage adds to the light's error. The source's other texture is
+  // exact.
   std::optional<EncodedTexture> encode(const FittedSource& fitted, const std::unique_ptr<LevelFile>& levels,
                                        const PreparedSource& source, const char* name) {
     std::optional<EncodedTexture> made;
@@ -342,7 +341,7 @@ class GltfConversion {
   Stopwatch stopwatch_;
   struct {
     double fit = 0.0, form = 0.0, encode = 0.0, lobes = 0.0;
-  } seconds_;  // by stage, of all sources
+  } seconds_;  // seconds by stage, for all sources
   std::unique_ptr<WorkFolder> folder_;
   GltfReport report_;
 };
@@ -414,7 +413,7 @@ GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress) 
   try {
     return GltfConversion(job, device, progress).run();
   } catch (const nlohmann::json::exception& error) {
-    refuse_file(job.input, std::string("is damaged: its JSON is not as glTF has it: ") + error.what());
+    refuse_file(job.input, std::string("is damaged: its JSON violates glTF: ") + error.what());
   }
 }
 

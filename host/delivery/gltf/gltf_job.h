@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model from file to file: glTF or GLB with normal maps, to a GLB whose normal and metallic-roughness textures have
-// fitted mips (docs/reference/gltf.md).
+// Converts a glTF or GLB model with normal maps, from file to file, to a GLB whose normal and metallic-roughness
+// textures have fitted mips (docs/reference/gltf.md).
 #pragma once
 
 #include <cstdint>
@@ -24,43 +24,44 @@ struct GltfJob {
   std::string output;  // *.glb
   std::string report;  // JSON; empty: none
   GltfTextureFormat format = GltfTextureFormat::kAuto;
-  bool has_fallback = false;  // level 0 of each texture as a plain image too
+  bool has_fallback = false;  // also store level 0 of each texture as a plain image
   bool is_anisotropic = false;
   MaterialForm form = MaterialForm::kAuto;  // of all materials
-  Engine engine = Engine::kThree;           // whose pictures choose it
-  bool has_lobes = false;                   // in MULTUM_lobes; with MaterialForm::kAuto where they are nearer
-  std::optional<LobeTexels> lobe_texels;    // unset: as `format` says; only with lobes
+  Engine engine = Engine::kThree;           // engine whose pictures choose the form
+  // Add MULTUM_lobes; with MaterialForm::kAuto only if the lobes' error is lower.
+  bool has_lobes = false;
+  std::optional<LobeTexels> lobe_texels;  // unset: as `format` says; only with lobes
   bool is_fast = false;
-  MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
-  std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
+  MapSurface surface = MapSurface::kTexels;  // surface that levels 1 and coarser are fitted to
+  std::optional<ZRange> z_range;             // z range of all normal maps; unset: from statistics
   bool two_channel = false;                  // rebuild z of all normal maps
   int uastc_effort = 1;
   std::string encoder;                                    // UastcSettings::encoder
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // memory for buffers and maps; changes no byte
   int threads = 1;
 };
 
 struct GltfReport {
   struct Material {
     std::string name;
-    std::string kept;  // why it is as it was; empty: it has new textures
+    std::string kept;  // reason that the material is unchanged; empty: it has new textures
     std::vector<std::string> notes;
     int textures = -1;  // in `textures`
-    std::string form;   // what the pictures said; empty: there were none
+    std::string form;   // result of the pictures; empty: no pictures were drawn
   };
-  /// Of materials that have the same.
+  /// The new textures that some materials share.
   struct Textures {
     int width = 0, height = 0, level_count = 0;
     std::map<std::string, EncodedTexture> storage;  // "normal", "metallic_roughness", "anisotropy", "lobes"
 
-    /// "normals: UASTC 2.1 MB, +0.2 points; ..."
+    /// Returns text such as "normals: UASTC 2.1 MB, +0.2 points; ...".
     std::string storage_text() const;
   };
   std::vector<Material> materials;
-  std::vector<ChosenForm> forms;  // by source, where they were chosen
+  std::vector<ChosenForm> forms;  // forms by source; set where pictures chose the form
   std::vector<Textures> textures;
   std::vector<std::string> warnings;
-  std::uint64_t bytes_before = 0, bytes_after = 0;  // of the file, with what it names beside it
+  std::uint64_t bytes_before = 0, bytes_after = 0;  // bytes of the file and all files that it refers to
   std::string device;
   std::map<std::string, std::uint64_t> launches;        // by kernel
   std::vector<std::pair<std::string, double>> seconds;  // by stage
@@ -69,7 +70,7 @@ struct GltfReport {
   std::string to_json(const GltfJob& job) const;
 };
 
-/// Throws Error, Cancelled; leaves no partial file. Progress: a unit a texel that is fitted, and one a texel encoded.
+/// Throws Error, Cancelled; leaves no partial file. Progress: one unit per fitted texel and one per encoded texel.
 GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

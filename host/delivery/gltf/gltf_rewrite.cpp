@@ -15,18 +15,18 @@ namespace {
 
 enum class TextureRole { kNormal, kSurface, kAnisotropy };
 
-// A new image.
+// Identifies a new image.
 struct ImageKey {
   std::size_t source = 0;
   TextureRole role = TextureRole::kNormal;
   auto operator<=>(const ImageKey&) const = default;
 };
 
-// Somebody's need of a new texture.
+// A reference to a new texture.
 struct TextureRequest {
   GltfJson::json_pointer info;  // the object with its "index"
-  std::size_t old_texture = 0;  // whose sampler and name it has
-  bool replaces = true;         // the old one in this place
+  std::size_t old_texture = 0;  // its sampler and name are kept
+  bool replaces = true;         // replaces the old texture at this reference
   ImageKey image;
 };
 
@@ -55,19 +55,20 @@ class GltfRewriter {
   }
 
  private:
-  // An array at the top, made where there is none; which moves the others, so nobody keeps what this returns.
+  // Returns a top-level array, and creates it if missing. Creation moves the other arrays: do not keep the reference.
   GltfJson& array(const char* name) {
     GltfJson& found = made_.json[name];
     if (found.is_null()) found = GltfJson::array();
     return found;
   }
 
-  // What a material says of its textures; which ones they are follows.
+  // Changes a material's texture properties. The texture indices are set later.
   void change_material(std::size_t number) {
     const MaterialPlan& plan = plan_.materials[number];
     const LobeSource& source = plan_.sources[plan.source];
     const SourceTextures& textures = sources_[plan.source];
-    const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;  // before materials: what it makes moves them
+    // First, because adding lobes moves `materials`.
+    const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;
     GltfJson& material = made_.json["materials"][number];
     const GltfJson::json_pointer place("/materials/" + std::to_string(number));
     keep_textures(material, !textures.normal, !textures.surface);
@@ -75,7 +76,7 @@ class GltfRewriter {
     GltfJson& normal = material["normalTexture"];
     const auto normal_texture = normal.at("index").get<std::size_t>();
     if (textures.normal && source.normal_scale != 1.0) normal.erase("scale");
-    // Where a texture lies that there was none of before.
+    // The texture info for a new kind of texture: coordinates as for the normal texture.
     GltfJson beside = {{"index", normal_texture}};
     if (normal.contains("texCoord")) beside["texCoord"] = normal["texCoord"];
     if (normal.contains("extensions") && normal["extensions"].contains("KHR_texture_transform"))
@@ -86,7 +87,7 @@ class GltfRewriter {
       surface.erase("roughnessFactor");
       const bool had_one = surface.contains("metallicRoughnessTexture");
       if (!had_one) surface["metallicRoughnessTexture"] = beside;
-      // Lobes go with the roughness that there was before, so its texture stays.
+      // Lobes use the original roughness, so the original texture stays.
       request(place / "pbrMetallicRoughness" / "metallicRoughnessTexture",
               surface["metallicRoughnessTexture"].at("index").get<std::size_t>(), had_one && !textures.lobes,
               {plan.source, TextureRole::kSurface});
@@ -101,7 +102,7 @@ class GltfRewriter {
     }
   }
 
-  // Its own textures stay, and are read between levels.
+  // Marks the material's own textures as kept. Their samplers will use mip levels.
   void keep_textures(const GltfJson& material, bool keeps_normal, bool keeps_surface) {
     const auto keep = [&](const GltfJson& in, const char* name) {
       if (const auto found = in.find(name); found != in.end()) kept_.insert(found->at("index").get<std::size_t>());
@@ -111,7 +112,7 @@ class GltfRewriter {
       keep(*surface, "metallicRoughnessTexture");
   }
 
-  // The index of a source's lobes in the extension's array.
+  // Returns the index of a source's lobes in the extension's array.
   std::size_t lobes_of(std::size_t source) {
     if (const auto found = lobes_.find(source); found != lobes_.end()) return found->second;
     GltfJson lobes = viewed(*sources_[source].lobes);
@@ -122,7 +123,7 @@ class GltfRewriter {
     return lobes_[source] = all.size() - 1;
   }
 
-  // A new buffer view that has the texture.
+  // Adds a buffer view for the texture.
   GltfJson viewed(const EncodedTexture& texture) {
     const std::size_t view = array("bufferViews").size();
     array("bufferViews").push_back(GltfJson::object());
@@ -130,7 +131,7 @@ class GltfRewriter {
     return {{"bufferView", view}, {"mimeType", texture.type}};
   }
 
-  // Roughness as the material has it, before it is fitted.
+  // Stores the material's original roughness, before the fit.
   static GltfJson lobes_object(const GltfJson& material, std::size_t lobes) {
     GltfJson made = {{"lobes", lobes}};
     const auto surface = material.find("pbrMetallicRoughness");
@@ -145,14 +146,14 @@ class GltfRewriter {
     if (replaces) ++replaced_[old_texture];
   }
 
-  // Nobody needs the old one any more.
+  // Returns whether the old texture is not used any more.
   bool is_free(std::size_t texture) const {
     const auto found = replaced_.find(texture);
     return found != replaced_.end() && before_.texture_uses(texture) == found->second;
   }
 
   void place_textures() {
-    using Key = std::tuple<ImageKey, GltfJson>;  // the same image, sampled alike
+    using Key = std::tuple<ImageKey, GltfJson>;  // the same image and sampler
     std::vector<std::pair<Key, std::size_t>> placed;
     for (const TextureRequest& request : requests_) {
       const GltfJson old = asset_.array("textures").at(request.old_texture);
@@ -170,7 +171,7 @@ class GltfRewriter {
       made_.json[request.info]["index"] = at;
       instead_.emplace(request.old_texture, at);
     }
-    // Those that gave way to one elsewhere are the same as that one.
+    // A replaced texture that is not used any more becomes a copy of its replacement.
     for (const auto& [texture, at] : instead_)
       if (is_free(texture) && !new_textures_.contains(texture)) {
         array("textures")[texture] = GltfJson(array("textures")[at]);
@@ -178,7 +179,7 @@ class GltfRewriter {
       }
   }
 
-  // All that it names is gone but its sampler; its image follows.
+  // Removes all image references of the texture and keeps its sampler. The new image is set later.
   void renew_texture(std::size_t number, const ImageKey& image) {
     GltfJson& texture = array("textures")[number];
     texture.erase("source");
@@ -191,11 +192,11 @@ class GltfRewriter {
     new_textures_.emplace(number, image);
   }
 
-  // Textures of normals and surfaces whose samplers go between levels.
+  // Returns the normal and surface textures whose samplers must filter between levels.
   std::set<std::size_t> filtered_textures() {
     std::set<std::size_t> made;
     for (const auto& [number, image] : new_textures_) made.insert(number);
-    // A sampler that says nothing leaves it to renderers, which go between levels.
+    // Without a minFilter, renderers choose a filter between levels themselves.
     for (const std::size_t number : kept_)
       if (const auto sampler = unsigned_at(array("textures").at(number), "sampler");
           sampler && array("samplers").at(*sampler).contains("minFilter"))
@@ -203,7 +204,7 @@ class GltfRewriter {
     return made;
   }
 
-  // Samplers that other textures use too are not changed.
+  // Samplers that other textures also use are not changed.
   void filter_by_levels() {
     const std::set<std::size_t> filtered = filtered_textures();
     std::set<std::size_t> others;
@@ -283,7 +284,7 @@ class GltfRewriter {
     }
   }
 
-  // An image's bytes, in its own buffer view where nobody else needs it, or in a new one.
+  // Stores an image's bytes in its own buffer view if nothing else uses the view, otherwise in a new one.
   void give_bytes(std::size_t number, const std::string& type, ViewContent content) {
     if (content.byte_count == 0) content.byte_count = content.bytes.size();
     const auto old = unsigned_at(array("images")[number], "bufferView");
@@ -297,7 +298,7 @@ class GltfRewriter {
     made_.contents.emplace(view, std::move(content));
   }
 
-  // A GLB has all its images in itself.
+  // Embeds all images into the GLB.
   void embed_images() {
     for (std::size_t i = 0; i < asset_.array("images").size(); ++i) {
       const GltfJson& image = asset_.array("images").at(i);
@@ -331,12 +332,12 @@ class GltfRewriter {
   const GltfUses before_;
   RewrittenGltf made_;
   std::vector<TextureRequest> requests_;
-  std::map<std::size_t, int> replaced_;           // uses of old textures that new ones take over
+  std::map<std::size_t, int> replaced_;           // uses of old textures that new ones replace
   std::map<std::size_t, ImageKey> new_textures_;  // by index
-  std::map<std::size_t, std::size_t> instead_;    // of an old texture, the first
-  std::set<std::size_t> kept_;                    // textures that stay in materials that were drawn
+  std::map<std::size_t, std::size_t> instead_;    // old texture -> its first replacement
+  std::set<std::size_t> kept_;                    // kept textures of drawn materials
   std::set<std::size_t> renewed_images_;
-  std::map<std::size_t, std::size_t> lobes_;  // by source, where they are in the extension's array
+  std::map<std::size_t, std::size_t> lobes_;  // index in the extension's array, by source
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts fitted textures into a glTF file's JSON. What nobody else uses is replaced where it stands, all else is added at
-// the end: no index changes, and nothing that is not understood is touched.
+// Writes fitted textures into the JSON of a glTF file. Objects that nothing else uses are replaced in place; everything
+// else is appended. Indices do not change, and unknown data is not touched.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Of a LobeSource; what there is none of stays as it was.
+/// The new textures of a LobeSource. Empty ones stay unchanged.
 struct SourceTextures {
   std::optional<EncodedTexture> normal, surface, anisotropy;
   std::optional<EncodedTexture> lobes, lobe_colours;  // for MULTUM_lobes
@@ -22,7 +22,7 @@ struct SourceTextures {
 struct RewrittenGltf {
   GltfJson json;
   ViewContents contents;
-  std::vector<std::string> left_outside;  // URIs of images that are of no known kind, and stay files beside
+  std::vector<std::string> left_outside;  // URIs of images of unknown types, which remain separate files
 };
 
 /// `textures`: by source.

@@ -6,8 +6,8 @@
 namespace multum {
 namespace {
 
-// Extensions whose references are found by the rules of Walk: textures as "...Texture": {"index": 1}, images as
-// "source" in a texture, buffer views as "bufferView".
+// Extensions whose references the rules of Walk find: textures as "...Texture": {"index": 1}, images as "source" in a
+// texture, buffer views as "bufferView".
 constexpr std::string_view kKnownExtensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_materials_clearcoat",
                                                  "KHR_materials_diffuse_transmission",
@@ -62,7 +62,7 @@ class Walk {
       if (key == "bufferView") count(uses_.views, child);
       if (key.ends_with("Texture") && child.is_object() && child.contains("index"))
         count(uses_.textures, child.at("index"));
-      // Only a texture's own "source" is an image.
+      // Only the "source" of a texture itself is an image.
       known(child, is_image_source && child.is_array());
     }
   }

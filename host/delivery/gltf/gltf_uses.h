@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts who uses a glTF file's textures, images and buffer views, so that what nobody else needs can be replaced where
-// it stands: no index changes, and whatever an extension that nobody here knows refers to stays what it was.
+// Counts the uses of a glTF file's textures, images and buffer views. Objects with one use can then be replaced in
+// place. No index changes, so that references in unknown extensions stay valid.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 namespace multum {
 
 struct GltfUses {
-  std::map<std::uint64_t, int> textures, images, views;  // uses by index: of glTF itself and of extensions known here
-  // Every integer within extensions that are not known here: each may be an index of anything.
+  std::map<std::uint64_t, int> textures, images, views;  // uses by index, in glTF itself and in known extensions
+  // All integers in unknown extensions: each may be an index of anything.
   std::set<std::uint64_t> unknown;
 
   int texture_uses(std::uint64_t index) const { return uses(textures, index); }
@@ -27,10 +27,10 @@ struct GltfUses {
   }
 };
 
-/// Extras are not looked at: they are of programs that know the file.
+/// Ignores extras, which belong to specific programs.
 GltfUses gltf_uses(const GltfJson& json);
 
-/// Extensions of a texture that name another image for it.
+/// Returns whether a texture extension names another image for the texture.
 bool is_image_extension(const std::string& name);
 
 }  // namespace multum

@@ -14,7 +14,7 @@ namespace {
 
 struct TextureUse {
   std::size_t texture = 0;
-  std::optional<std::size_t> image;  // one that can be decoded
+  std::optional<std::size_t> image;  // only if it can be decoded
   std::array<WrapMode, 2> wrap{};
   TextureCoordinates coordinates;
 };
@@ -43,11 +43,11 @@ class Planner {
  private:
   [[noreturn]] void refuse(const std::string& what) const { asset_.refuse(fmt::format("'{}': {}", what_, what)); }
 
-  // A child that is an object; null where there is none.
+  // Returns a child that is an object; null: none.
   const GltfJson* object_at(const GltfJson& in, const char* key) const {
     const auto found = in.find(key);
     if (found == in.end()) return nullptr;
-    if (!found->is_object()) refuse(fmt::format("{} is no object", key));
+    if (!found->is_object()) refuse(fmt::format("{} is not an object", key));
     return &*found;
   }
   const GltfJson* extension_of(const GltfJson& in, const char* name) const {
@@ -73,7 +73,7 @@ class Planner {
     return {found->at(0).get<double>(), found->at(1).get<double>()};
   }
 
-  // Where KHR_animation_pointer changes something as time goes by.
+  // Finds the properties that KHR_animation_pointer animates.
   void find_pointers() {
     for (const GltfJson& animation : asset_.array("animations")) {
       const auto channels = animation.find("channels");
@@ -93,7 +93,8 @@ class Planner {
 
   TextureCoordinates coordinates_of(const GltfJson& info) const {
     TextureCoordinates made;
-    if (info.contains("texCoord") && !unsigned_at(info, "texCoord")) refuse("texCoord is not a number of a set");
+    if (info.contains("texCoord") && !unsigned_at(info, "texCoord"))
+      refuse("texCoord is not the number of a coordinate set");
     made.set = unsigned_at(info, "texCoord").value_or(0);
     if (const GltfJson* transform = extension_of(info, "KHR_texture_transform")) {
       made.offset = pair_at(*transform, "offset", 0.0);
@@ -118,7 +119,7 @@ class Planner {
     return {wrap("wrapS"), wrap("wrapT")};
   }
 
-  // The image that a decoder of PNG, JPEG and WebP takes.
+  // Returns the image of a texture, if it is a PNG, JPEG or WebP image.
   std::optional<std::size_t> image_of(const GltfJson& texture) const {
     std::vector<std::size_t> images;
     if (texture.contains("source")) images.push_back(asset_.index(texture, "source", "images"));
@@ -143,13 +144,13 @@ class Planner {
     return use;
   }
 
-  // Why the material is not fitted; empty: it is, and `made` says from what.
+  // Returns why the material is not fitted. Empty: it is fitted, and `made` has the inputs.
   std::string plan_material(const GltfJson& material, std::size_t number, MaterialPlan& made) {
     const std::optional<TextureUse> normal = texture_at(material, "normalTexture");
     if (!normal) return "it has no normal map";
     for (const char* name : {"KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"})
       if (extension_of(material, name) != nullptr)
-        return fmt::format("{} says otherwise what its surface reflects", name);
+        return fmt::format("{} defines the reflection of its surface in another way", name);
     if (extension_of(material, "MULTUM_lobes") != nullptr) return "it has lobes already (MULTUM_lobes)";
     static const GltfJson kNone = GltfJson::object();
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");
@@ -161,8 +162,8 @@ class Planner {
     if (!normal->image) return "its normal texture has no PNG, JPEG or WebP image";
     if (rough && !rough->image) return "its metallic-roughness texture has no PNG, JPEG or WebP image";
     if (rough && rough->coordinates != normal->coordinates)
-      return "its roughness lies elsewhere than its normals: other texture coordinates, or another transform";
-    if (rough && rough->wrap != normal->wrap) return "its roughness wraps otherwise than its normals";
+      return "its roughness and its normals differ in texture coordinates or texture transform";
+    if (rough && rough->wrap != normal->wrap) return "its roughness wraps differently from its normals";
 
     made.coordinates = normal->coordinates;
     LobeSource source;
@@ -171,10 +172,10 @@ class Planner {
     source.wrap_s = normal->wrap[0];
     source.wrap_t = normal->wrap[1];
     source.normal_scale = number_at(*object_at(material, "normalTexture"), "scale", 1.0);
-    constexpr double kScaleMax = 1e6;  // any larger makes all normals horizontal
+    constexpr double kScaleMax = 1e6;  // larger scales make all normals horizontal
     made.is_bad = !(std::abs(source.normal_scale) <= kScaleMax);
     if (made.is_bad)
-      return fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale,
+      return fmt::format("normalTexture.scale is {:g}, expected at most {:g} in magnitude", source.normal_scale,
                          kScaleMax);
     source.roughness_factor = share_at(surface, "roughnessFactor");
     share_at(surface, "metallicFactor");
@@ -197,7 +198,7 @@ class Planner {
     return "";
   }
 
-  // Of the base colour, where it lies over the texels of the normals. What is wrong with it is no reason to stop.
+  // Returns the base colour image, if it covers the same texels as the normals. Errors in this image are ignored.
   std::optional<std::size_t> colour_image(const GltfJson& surface, std::size_t number, const TextureUse& normal) const {
     try {
       const std::optional<TextureUse> colour = texture_at(surface, "baseColorTexture");
@@ -217,15 +218,15 @@ class Planner {
     if (occlusion->coordinates == rough->coordinates && occlusion->wrap == rough->wrap &&
         !is_animated(number, "occlusionTexture/extensions"))
       return true;
-    made.notes.push_back("occlusion keeps the image that roughness had: it lies elsewhere on the surface");
+    made.notes.push_back("occlusion keeps the old roughness image, because both have different texture coordinates");
     return false;
   }
 
   static void note_factors(const LobeSource& source, MaterialPlan& made) {
     if (source.normal_scale != 1.0)
-      made.notes.push_back(fmt::format("normalTexture.scale {:g} is in its texture now", source.normal_scale));
+      made.notes.push_back(fmt::format("its new texture includes normalTexture.scale {:g}", source.normal_scale));
     if (source.roughness_factor != 1.0)
-      made.notes.push_back(fmt::format("roughnessFactor {:g} is in its texture now", source.roughness_factor));
+      made.notes.push_back(fmt::format("its new texture includes roughnessFactor {:g}", source.roughness_factor));
   }
 
   const GltfAsset& asset_;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides which of a glTF file's materials get fitted textures, and from what (glTF 2.0, section 3.9;
-// docs/reference/gltf.md has the rules). A material's normal texture and its metallic-roughness texture are fitted
-// together, and only where each texel of one lies over the texel of the other; all else stays as it is, with the
-// reason.
+// Decides which materials of a glTF file get fitted textures, and from which inputs (glTF 2.0, section 3.9; the rules
+// are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are fitted together, if
+// their texels cover the same places of the surface. Other materials stay unchanged, with a reason.
 #pragma once
 
 #include <array>
@@ -18,20 +17,21 @@
 
 namespace multum {
 
-/// What is fitted together. Materials with the same have the same textures after.
+/// Inputs of one fit. Materials with equal inputs share the resulting textures.
 struct LobeSource {
   std::size_t normal_image = 0;
   std::optional<std::size_t> surface_image;  // metallic-roughness; none: roughness_factor everywhere
-  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // of both, beyond their borders
-  double normal_scale = 1.0;                                            // of x and y
-  double roughness_factor = 1.0;                                        // times what the image has
-  bool has_occlusion = false;  // red of surface_image is a material's occlusion
+  // Wrap modes of both images, beyond their borders.
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
+  double normal_scale = 1.0;      // of x and y
+  double roughness_factor = 1.0;  // multiplies the image's roughness
+  bool has_occlusion = false;     // red of surface_image is a material's occlusion
   bool is_anisotropic = false;
 
   auto operator<=>(const LobeSource&) const = default;
 };
 
-/// Coordinates of a texture: its set, and what KHR_texture_transform makes of them.
+/// Texture coordinates: the set, and the transform of KHR_texture_transform.
 struct TextureCoordinates {
   std::uint64_t set = 0;
   std::array<double, 2> offset{0.0, 0.0}, scale{1.0, 1.0};
@@ -43,22 +43,22 @@ struct TextureCoordinates {
 
 struct MaterialPlan {
   std::string name;                // "bricks", or "material 3"
-  std::string kept;                // why it stays as it is; empty: it is fitted
+  std::string kept;                // reason that the material is unchanged; empty: it is fitted
   std::size_t source = 0;          // in GltfPlan::sources
-  TextureCoordinates coordinates;  // of what is fitted
+  TextureCoordinates coordinates;  // coordinates of the fitted textures
   std::vector<std::string> notes;
-  bool is_bad = false;    // `kept` is a fault of the model, which is warned of
-  bool is_plain = false;  // `kept` is that its own mips are as near: they are read by a trilinear filter
+  bool is_bad = false;    // `kept` is a fault of the model and causes a warning
+  bool is_plain = false;  // `kept` says that its own mips are as good: a trilinear filter reads them
 };
 
 struct GltfPlan {
   std::vector<LobeSource> sources;
-  // By source: the base colour over the same texels, where all materials of the source have the same.
+  // By source: the base colour image over the same texels, if all materials of the source share it.
   std::vector<std::optional<std::size_t>> colour_images;
   std::vector<MaterialPlan> materials;  // by index
 };
 
-/// Throws Error(kInput) for materials that are not as glTF has them.
+/// Throws Error(kInput) for materials that violate glTF.
 GltfPlan plan_gltf(const GltfAsset& asset, bool is_anisotropic);
 
 }  // namespace multum

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// The two texels that a texel lies between, and how far it is on the way to the second.
+// The two neighbouring texels of a place, and the share of the second.
 struct Between {
   int first, second;
   float share;
@@ -22,7 +22,7 @@ struct Between {
 std::vector<Between> places(int before, int after, WrapMode wrap) {
   std::vector<Between> made(size_of(after));
   for (int i = 0; i < after; ++i) {
-    // Texels' centres lie at halves.
+    // Texel centres are at half-integer positions.
     const double at = (i + 0.5) * before / after - 0.5, low = std::floor(at);
     made[size_of(i)] = {wrapped_texel(static_cast<int>(low), before, wrap),
                         wrapped_texel(static_cast<int>(low) + 1, before, wrap), static_cast<float>(at - low)};

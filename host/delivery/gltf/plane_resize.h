@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Enlarges three planes as a sampler's linear filter does, so that maps of one material have one size.
+// Enlarges three planes with a sampler's linear filter, so that all maps of a material have one size.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,13 @@
 namespace multum {
 
 struct ResizeSettings {
-  int width = 1, height = 1;                                            // after; at least those before
+  int width = 1, height = 1;                                            // new size, not smaller than the old one
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // beyond the borders
   SpillPolicy spill;
   int threads = 1;
 };
 
-/// `finish` is called for each texel's three values after.
+/// Calls `finish` for the three resulting values of each texel.
 PlaneStore enlarged_planes(const PlaneStore& planes, const ResizeSettings& settings,
                            const std::function<void(float& a, float& b, float& c)>& finish);
 

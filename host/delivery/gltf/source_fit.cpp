@@ -50,8 +50,8 @@ ImageReadSettings reading_of(const SourceFitSettings& settings) {
 
 float fourth_power(float v) { return v * v * (v * v); }
 
-// Roughness times its factor, occlusion and metalness, as the image has them: red is occlusion, green roughness, blue
-// metalness; of grey images all three.
+// Reads roughness times its factor, occlusion and metalness from an image: red is occlusion, green roughness, blue
+// metalness. A grey image sets all three.
 PlaneStore read_surface(const GltfAsset& asset, const std::string& file, const LobeSource& source, bool is_fourth_power,
                         const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
@@ -114,7 +114,7 @@ PlaneStore read_material(const GltfAsset& asset, const PreparedSource& prepared,
     const bool is_same = info.width == prepared.width && info.height == prepared.height;
     PlaneStore planes = read_surface(asset, prepared.surface_file, source, is_same, settings);
     if (is_same) return planes;
-    // Renderers filter roughness; the fit takes alpha^2.
+    // Renderers filter roughness, while the fit uses alpha^2.
     return enlarged_planes(
         planes, {prepared.width, prepared.height, source.wrap_s, source.wrap_t, spill_of(settings), settings.threads},
         [](float& rough, float&, float&) { rough = fourth_power(rough); });
@@ -162,10 +162,10 @@ class LevelSink : public MaterialSink {
 
   FittedSource& files_;
   const bool carries_occlusion_;
-  bool is_one_ = true;  // of the surface, so far
+  bool is_one_ = true;  // so far, the surface is 1 everywhere
 };
 
-// Do two codes of a normal have the same direction, except for rounding? Their lengths may differ.
+// Returns whether two normal codes have the same direction up to rounding. Their lengths may differ.
 bool is_same_direction(const std::uint8_t* one, const std::uint8_t* other) {
   constexpr float kCosineOfADegree = 0.99985f;
   const auto decoded = [](const std::uint8_t* code) {
@@ -175,8 +175,8 @@ bool is_same_direction(const std::uint8_t* one, const std::uint8_t* other) {
   return glm::dot(a, b) > kCosineOfADegree * glm::length(a) * glm::length(b);
 }
 
-// Level 0 stays as the artist made it: unit vectors that are rounded anew are up to 0.4 degrees off, which mirrors
-// show.
+// Keeps level 0 exactly as in the file. Rounding its unit vectors again would turn them by up to 0.4 degrees, which is
+// visible in mirrors.
 void keep_finest_normals(const std::string& file, LevelFile& normal, const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
   const RawImageInfo info = reader.info();
@@ -204,7 +204,8 @@ void keep_finest_normals(const std::string& file, LevelFile& normal, const Sourc
       nullptr);
 }
 
-// Rows of a level, each texel the mean of those that it covers of the level before, rounded to 8 bits as drivers do.
+// Computes rows of a level. Each texel is the mean of the texels that it covers in the previous level, rounded to 8
+// bits like drivers do.
 std::vector<std::uint8_t> averaged_rows(const LevelFile& file, int level, int first, int count) {
   const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);
   const int finer_width = mip_level_size(file.width(), level - 1),
@@ -229,7 +230,7 @@ std::vector<std::uint8_t> averaged_rows(const LevelFile& file, int level, int fi
 
 constexpr int kAveragedRows = 64;
 
-// Of level 0 of both.
+// Averages level 0 of both textures.
 void write_averages(const LevelFile& normal, const LevelFile& surface, LevelFile& averages) {
   for (int level = 0; level < averages.level_count(); ++level) {
     const int height = mip_level_size(averages.height(), level);
@@ -263,7 +264,7 @@ NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitS
   reading.wrap_s = source.wrap_s;
   reading.wrap_t = source.wrap_t;
   reading.wrap_s_origin = reading.wrap_t_origin = WrapOrigin::kSaid;
-  reading.repair_share_max = 1.0f;  // a renderer draws any; what was repaired is warned of
+  reading.repair_share_max = 1.0f;  // renderers draw any normal; repaired normals cause a warning
   return reading;
 }
 
@@ -286,13 +287,13 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
     is_surface_whole = surface.first >= normal.first && surface.second >= normal.second;
     largest = {std::max(normal.first, surface.first), std::max(normal.second, surface.second)};
     const auto texels = [](const std::pair<int, int>& size) { return std::int64_t{size.first} * size.second; };
-    // A quarter of a common size is a side that differs; more is two images that were not made for one another, and
-    // would ask for a size that neither has.
+    // A common size of up to four times the larger image is accepted: then one side differs. A larger common size means
+    // that the images were not made for each other, and neither image has this size.
     if (texels(largest) > 4 * std::max(texels(normal), texels(surface)))
-      made.kept = fmt::format("its normals have {} x {} texels, its roughness {} x {}", normal.first, normal.second,
-                              surface.first, surface.second);
+      made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
+                              normal.second, surface.first, surface.second);
     if (surface != normal)
-      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were brought to one size",
+      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to one size",
                                        normal.first, normal.second, surface.first, surface.second));
   }
   if (normal == std::make_pair(1, 1)) made.kept = "its normal map is a single texel";
@@ -307,8 +308,7 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
                              source.roughness_factor == 1.0 && is_surface_whole;
   if (std::make_pair(made.width, made.height) != largest)
     made.notes.push_back(
-        fmt::format("{} x {} was enlarged to {} x {}: KHR_texture_basisu has sides that are "
-                    "multiples of {}",
+        fmt::format("{} x {} was enlarged to {} x {}, because KHR_texture_basisu needs sides that are multiples of {}",
                     largest.first, largest.second, made.width, made.height, settings.side_multiple));
 }
 
@@ -335,7 +335,7 @@ void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSetti
     if (colours.width == normals.width && colours.height == normals.height && colours.channel_count >= 3)
       made.colour_file = file;
   } catch (const Error& error) {
-    why_kept(asset, error);  // throws what is no fault of the image
+    why_kept(asset, error);  // rethrows errors that are not the image's fault
   }
 }
 

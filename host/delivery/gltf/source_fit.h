@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits the textures of one LobeSource: reads its images, brings them to one size, and fits a lobe to each texel of
+// Fits the textures of one LobeSource: reads its images, resizes them to one size, and fits a lobe to each texel of
 // every level (host/delivery/export/one_lobe_fit.h).
 #pragma once
 
@@ -24,33 +24,33 @@
 namespace multum {
 
 struct SourceFitSettings {
-  std::string folder;  // for images and levels
+  std::string folder;  // folder for images and levels
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;
-  std::optional<ZRange> z_range;  // of all normal maps; unset: from statistics
+  std::optional<ZRange> z_range;  // z range of all normal maps; unset: from statistics
   bool two_channel = false;       // rebuild z of all normal maps
-  int side_multiple = 1;          // sides of textures are multiples of it
+  int side_multiple = 1;          // texture sides are multiples of this number
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;
   int threads = 1;
 };
 
-/// What a source's fit will be.
+/// A source that is ready to be fitted, or the reason against it.
 struct PreparedSource {
   LobeSource source;
   std::string normal_file, surface_file;  // in the folder
-  std::string colour_file;                // of the normals' size; empty: none
+  std::string colour_file;                // image of the normals' size; empty: none
   int width = 0, height = 0;              // of the textures
-  std::string kept;                       // why it is not fitted; empty: it is
-  bool is_bad = false;                    // that reason is a fault of an image
-  bool is_plain = false;                  // that reason is that its own mips are as near
+  std::string kept;                       // reason that it is not fitted; empty: it is fitted
+  bool is_bad = false;                    // the reason is a fault of an image
+  bool is_plain = false;                  // the reason is that its own mips are as good
   std::vector<std::string> notes;
-  // Level 0 of the texture is the image as it is in the file, of a kind that glTF has everywhere.
+  // Level 0 of the texture is the unchanged image of the file, in a format that all of glTF supports.
   bool normal_is_original = false, surface_is_original = false;
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
 };
 
-/// Runs `body`; what it says of `file`, which an image was written to, is said of the image.
+/// Runs `body`. Errors about the temporary `file` then name the image that was written to it.
 template <typename Body>
 auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file, const Body& body) {
   try {
@@ -59,35 +59,35 @@ auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file
     const Error error = caught_error(file);
     std::string message = error.what();
     const std::string name = fmt::format("{}: image {}", asset.path, image);
-    const std::string shown = Error(error.code(), file).what();  // as messages name it
+    const std::string shown = Error(error.code(), file).what();  // name of the file in messages
     if (const std::size_t at = message.find(shown); at != std::string::npos) message.replace(at, shown.size(), name);
     else message = name + ": " + message;
     throw Error(error.code(), message);
   }
 }
 
-/// All that glTF says of a normal texture, and what the settings say of blue. A blue that is no z is refused.
+/// Returns how a glTF normal texture is read, with the settings for blue. A blue channel that is not z is an error.
 NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitSettings& settings);
 
-/// Writes the images into the folder and looks at their sizes; an image that cannot be read is a reason to keep the
-/// material. Throws Error(kEnvironment).
+/// Writes the images into the folder and checks their sizes. If an image cannot be read, the material stays unchanged.
+/// Throws Error(kEnvironment).
 PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings);
 
-/// Gives it the base colour, if that can be read and has the size of the normal map.
+/// Adds the base colour, if it is readable and has the size of the normal map.
 void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSettings& settings, PreparedSource& made);
 
-/// What is wrong with an image as a reason to keep the material that has it: "image 2: found ...". Throws an error that
-/// is not kInput again.
+/// Returns the fault of an image as the reason to keep its materials: "image 2: found ...". Rethrows errors other than
+/// kInput.
 std::string why_kept(const GltfAsset& asset, const Error& error);
 
-/// Textures by what they hold; null: there is none.
+/// Fitted textures by content; null: none.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
-  // What a renderer's own mips of level 0 are: normals, alpha roughness. None where `anisotropy` is.
+  // The mips that a renderer makes of level 0: normals, with roughness in alpha. Null if `anisotropy` is set.
   std::unique_ptr<LevelFile> averages;
 };
 
-/// Files are named by `number`. A surface that is 1 everywhere is none. Progress: a unit a texel. Throws
+/// Names files by `number`. A surface that is 1 everywhere is left out. Progress: one unit per texel. Throws
 /// Error(kInput) naming the image, kEnvironment, Cancelled.
 FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSource& prepared, std::size_t number,
                         const SourceFitSettings& settings, Progress* progress);

@@ -17,20 +17,21 @@ namespace {
 
 constexpr std::size_t kPicturedPixels = 250;  // of a picture
 constexpr int kFormRows = 64;
-// Lobes do not know a second layer's own normals, which evaluations that are spent on lobes would see at one point.
+// Lobes do not know the separate normals of a clearcoat. If evaluations are spent on lobes, these normals are evaluated
+// at one point only.
 constexpr const char* kClearcoatNormal = "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture";
 
-// KHR_texture_transform; v of meshes grows upwards, that of glTF downwards.
+// Applies KHR_texture_transform. v grows upwards in meshes, downwards in glTF.
 glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& uv) {
   const double u = coordinates.scale[0] * uv.x, v = coordinates.scale[1] * (1.0 - uv.y);
   const double c = std::cos(coordinates.rotation), s = std::sin(coordinates.rotation);
   return {coordinates.offset[0] + c * u + s * v, coordinates.offset[1] - s * u + c * v};
 }
 
-// Share of noise in an error from which on two forms cannot be told apart.
+// If noise is at least this share of an error, two forms cannot be distinguished.
 constexpr double kNoiseMost = 0.5;
 
-// The base's colour, grey; of a texture nothing is known.
+// Returns the grey base colour. The values of a texture are unknown here.
 double grey_of(const GltfJson& surface) {
   constexpr double kOfTextures = 0.5;
   double grey = surface.contains("baseColorTexture") ? kOfTextures : 1.0;
@@ -63,7 +64,7 @@ const SourceForms::Drawn& SourceForms::drawn(std::uint64_t uv_set) {
     made->mesh = read_mesh(asset_.path, static_cast<int>(uv_set));
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInput) throw;
-    log_info(fmt::format("{}; materials are judged on a sphere", error.what()));
+    log_info(fmt::format("{}; pictures show the materials on a sphere", error.what()));
     made->mesh = textured_sphere();
     made->is_sphere = true;
   }
@@ -115,7 +116,7 @@ ChosenForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   made.errors["points_4"] = meter.points(made.normals);
   made.errors["lobes_4"] = meter.lobes(lobes, made.normals);
   made.errors["noise"] = meter.noise();
-  // Pictures whose references are too noisy to tell do not leave out what was asked for.
+  // If the references are too noisy to decide, the requested lobes are kept.
   const double lobes_error = made.errors["lobes_4"].mean;
   made.has_lobes =
       lobes_error < made.errors["points_4"].mean - kFormGain || made.errors["noise"].mean > kNoiseMost * lobes_error;

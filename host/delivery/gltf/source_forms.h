@@ -14,15 +14,15 @@
 
 namespace multum {
 
-/// Draws the model when it is first asked, once for all sources with the same set of texture coordinates.
+/// Draws the model on first use, once for all sources with the same set of texture coordinates.
 class SourceForms {
  public:
-  /// Both must outlive it. `engine`: whose filter the pictures have.
+  /// Both `asset` and `plan` must outlive this object. `engine`: its filter is used in the pictures.
   SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings, Engine engine,
               Progress* progress);
   ~SourceForms();
 
-  /// `baked`: a file of the source's lobes, which are a candidate; empty: they are none.
+  /// `baked`: a file of the source's lobes, which become a candidate; empty: no lobes.
   ChosenForm choose(std::size_t source, const FittedSource& fitted, const std::string& baked);
 
  private:
@@ -37,7 +37,7 @@ class SourceForms {
   std::map<std::uint64_t, std::unique_ptr<Drawn>> drawn_;  // by set
 };
 
-/// Writes what a form takes from averages over levels from 1 on of the fitted ones.
+/// Replaces fitted values by averages in levels 1 and coarser, as the form says.
 void apply_normal_form(const NormalForm& form, FittedSource& fitted);
 
 }  // namespace multum

@@ -17,9 +17,9 @@
 namespace multum {
 namespace {
 
-constexpr int kLobeZstdLevel = 12;  // as UASTC's
+constexpr int kLobeZstdLevel = 12;  // equal to the level for UASTC
 
-// Of the level where it is largest.
+// Returns the error of the worst level.
 double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const LobeSurface& surface) {
   const auto levels_of = [&](const MovmfMipmap& mipmap) {
     std::vector<LobeLevel> levels;
@@ -54,7 +54,7 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
     bake.input = prepared.normal_file;
     bake.output = fmt::format("{}/lobes_{}.ndf.exr", settings.folder, number);
     bake.reading = gltf_normal_reading(source, settings);
-    bake.fitting.first_level = 1;  // level 0 is the normal texture's
+    bake.fitting.first_level = 1;  // level 0 is in the normal texture
     bake.surface = settings.surface;
     bake.measure = false;
     bake.memory_bytes = resident_memory_of(settings.memory_bytes);
@@ -68,7 +68,7 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
       bake.albedo = prepared.colour_file;
       bake_file(bake, nullptr, device, &cancelling);
     } catch (const Error& error) {
-      // A colour that cannot be read is no reason to leave lobes out.
+      // An unreadable colour does not prevent lobes.
       if (error.code() != ErrorCode::kInput) throw;
       bake.albedo.clear();
       bake_file(bake, nullptr, device, &cancelling);

@@ -16,7 +16,8 @@ namespace multum {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
-constexpr int kZstdLevel = 12;  // Basis Universal's own is 6; those above 12 take several times as long for a percent
+// Basis Universal uses 6; levels above 12 take several times as long and save one percent.
+constexpr int kZstdLevel = 12;
 
 FallbackImage write_png(const LevelFile& levels) {
   const std::string path = levels.path() + ".png";
@@ -35,7 +36,7 @@ FallbackImage write_png(const LevelFile& levels) {
 
 using LevelBlocks = std::vector<std::vector<std::uint8_t>>;
 
-// `blocks`: of all levels; empty: the texels themselves.
+// `blocks`: of all levels; empty: store the texels themselves.
 EncodedTexture write_ktx2(const LevelFile& levels, GltfTextureFormat format, int zstd_level, LevelBlocks blocks) {
   const std::string path = levels.path() + ".ktx2";
   const TexelFormat texels = format == GltfTextureFormat::kUastc ? TexelFormat::kUastc : TexelFormat::kRgba8;
@@ -72,8 +73,8 @@ UastcTrial encode_and_measure(const LevelFile& levels, const UastcSettings& uast
   return made;
 }
 
-// Blocks that are chosen by angles turn normals by 3 to 20 % less, and take two to three times as long: where it may
-// decide, and where UASTC is asked for.
+// Choosing blocks by angle lowers angle errors by 3 to 20 %, and takes two to three times as long. It is used where the
+// result may decide the format, and for explicitly requested UASTC.
 constexpr double kWorthChoosing = 2.0 * kStorageErrorMax;
 
 UastcTrial try_uastc(const LevelFile& levels, const TextureEncoding& how, Progress* progress) {

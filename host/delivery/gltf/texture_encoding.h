@@ -15,7 +15,7 @@ namespace multum {
 
 /// A plain image of level 0, for loaders that cannot read the texture.
 struct FallbackImage {
-  std::string file;  // PNG; empty: the image that the texture was made from has the same texels
+  std::string file;  // PNG; empty: the source image has the same texels
   std::uint64_t byte_count = 0;
 };
 
@@ -24,25 +24,25 @@ struct EncodedTexture {
   std::string type;  // "image/ktx2"
   std::uint64_t byte_count = 0;
   std::string format = {};     // "uastc", as choices and reports name it; of lobes "bc"
-  double storage_error = 0.0;  // what the format adds to the error of the light, relative L1, of the worst level
-  double refused_error = 0.0;  // what blocks would have added, where they were tried and are not taken
+  double storage_error = 0.0;  // increase of the light's relative L1 error by the format, at the worst level
+  double refused_error = 0.0;  // increase that rejected blocks would have caused
   std::string refused_format = "uastc";
   std::optional<FallbackImage> fallback = {};
 };
 
-/// What blocks may add before 8 bits a channel are stored, where the user did not ask for either.
+/// The largest error that blocks may add, unless the user chose a format. Above it, 8 bits per channel are stored.
 constexpr double kStorageErrorMax = 0.003;
 
 struct TextureEncoding {
   GltfTextureFormat format = GltfTextureFormat::kAuto;
-  bool has_fallback = false;  // whatever the format
-  bool is_original = false;   // level 0 is an image's as it is in the file: it is the fallback
+  bool has_fallback = false;  // for every format
+  bool is_original = false;   // level 0 is the unchanged image of the file, which is the fallback
   UastcSettings uastc;
-  // The material's light with `decoded` levels in place of the texture's, against that with its own.
+  // Compares the material's light with `decoded` levels to the light with the texture's own levels.
   std::function<StorageError(const LevelFile& decoded)> measure;
 };
 
-/// Writes files beside the levels'. Throws Error(kEnvironment), Cancelled.
+/// Writes its files next to the file of the levels. Throws Error(kEnvironment), Cancelled.
 EncodedTexture encode_texture(const LevelFile& levels, const TextureEncoding& how, Progress* progress);
 
 }  // namespace multum

@@ -30,13 +30,15 @@ namespace {
 
 std::string base64_of_file(const std::string& path) { return encode_base64(bytes_of_file(path)); }
 
-// Refuses what the page cannot show of a map.
+// Refuses maps that the page cannot show.
 void check_map(const LookMap& map, const BakedHeader& header, bool same_source) {
   if (header.has_roughness)
-    refuse_file(map.input, "found roughness in its lobes, expected none: the page has one base roughness");
+    refuse_file(map.input, "found roughness in its lobes, expected none, because the page has one base roughness");
   if (header.width > kLookSideMax || header.height > kLookSideMax)
-    refuse_file(map.input, fmt::format("found a map of {} x {}, expected sides of at most {}: the page holds it whole",
-                                       header.width, header.height, kLookSideMax));
+    refuse_file(
+        map.input,
+        fmt::format("found a map of {} x {}, expected sides of at most {}, because the page holds the whole map",
+                    header.width, header.height, kLookSideMax));
   if (map.source.empty() && header.first_level > 0)
     refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the map by --source",
                                        header.first_level));
@@ -58,14 +60,13 @@ std::vector<BakedHeader> checked_headers(const LookJob& job) {
     texels += std::int64_t{headers.back().width} * headers.back().height;
   }
   if (texels > kLookTexelsMax)
-    throw Error(ErrorCode::kInput,
-                fmt::format("found maps of {} texels together, expected at most {}, as four of {} x {} have: the page "
-                            "holds all",
-                            texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
+    throw Error(ErrorCode::kInput, fmt::format("found maps of {} texels together, expected at most {} (four maps of {} "
+                                               "x {}), because the page holds all maps",
+                                               texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
   return headers;
 }
 
-// Texts in the order of runtime_gl/shaders/common/reflection.glsl.
+// Returns texts in the order of runtime_gl/shaders/common/reflection.glsl.
 nlohmann::ordered_json shader_texts() {
   const auto joined = [](std::initializer_list<const char*> names) {
     std::string text;
@@ -114,7 +115,7 @@ std::string look_page(const nlohmann::ordered_json& data) {
   return page;
 }
 
-// Lobes and the one-lobe export, by way of files that begin with `stem`.
+// Returns the lobes and the one-lobe export. Temporary files begin with `stem`.
 nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, const LookJob& job,
                                 const std::string& stem, Device& device, Progress* progress) {
   LobeExportJob lobes{map.input, stem + "_lobes.ktx2", ""};
@@ -133,8 +134,8 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   material.threads = job.threads;
   const ExportReport report = export_file(material, device, progress);
   if (report.width != header.width || report.height != header.height)
-    refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {}, of which {} was baked", report.width,
-                                        report.height, header.width, header.height, map.input));
+    refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {} as in the map that {} was baked from",
+                                        report.width, report.height, header.width, header.height, map.input));
   return {{"title", text_of_path(std::filesystem::path(map.input).filename().string())},
           {"about",
            fmt::format("{}, GGX of roughness {:.2g}", text_of_path(header.provenance.source_name), job.base_roughness)},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a page that shows lobes of maps in a browser beside averaged normals, engines' rules and the one-lobe export:
-// one HTML file, which opens from disk and needs nothing else.
+// Writes a page that shows the lobes of maps in a browser, next to averaged normals, the engines' rules and the
+// one-lobe export. The page is one self-contained HTML file, which opens from disk.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,20 @@
 
 namespace multum {
 
-constexpr int kLookSideMax = 2048;  // of a map: the browser holds one whole, with averages of its normals as floats
-constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;  // of all maps: 150 MB of page
+constexpr int kLookSideMax = 2048;  // per map: the browser holds a whole map and its averaged normals as floats
+// Limit for all maps together: 150 MB of page.
+constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;
 
 struct LookMap {
   std::string input;   // *.ndf.exr of vMF lobes
-  std::string source;  // the normal map that it was baked from; empty: level 0 of `input`
+  std::string source;  // the normal map that was baked; empty: level 0 of `input`
 };
 
 struct LookJob {
-  std::vector<LookMap> maps;    // at least one; the page has a list to choose from
+  std::vector<LookMap> maps;    // at least one; the page lets the user choose
   std::string output;           // *.html
   double base_roughness = 0.3;  // perceptual, 0.05..1
-  bool same_source = false;     // refuse a source that is not the file that was baked
+  bool same_source = false;     // refuse a source that is not the baked file
   int threads = 1;
 };
 

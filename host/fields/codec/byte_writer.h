@@ -15,7 +15,7 @@ class ByteWriter {
     for (int i = 0; i < count; ++i) byte(static_cast<std::uint8_t>(value >> (8 * i)));
   }
   void int16(std::int16_t value) { fixed(static_cast<std::uint16_t>(value), 2); }
-  /// Below 2^63.
+  /// Writes a number below 2^63.
   void number(std::uint64_t value) {
     for (; value > 127; value >>= 7) byte(static_cast<std::uint8_t>(value | 128));
     byte(static_cast<std::uint8_t>(value));

@@ -31,7 +31,8 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
   double least = cost(levels);
   for (std::size_t below = 1; below < levels.size();) {
     std::optional<ParameterPyramid::Halvings> best;
-    // Every level between the last one chosen and the finest: each dimension anywhere between both.
+    // Tries every level between the last chosen one and the finest. Each dimension takes every number of halvings
+    // between both.
     ParameterPyramid::Halvings candidate(sizes.size(), 0);
     for (bool more = true; more;) {
       if (candidate != levels[below - 1] && candidate != levels[below]) {
@@ -92,7 +93,7 @@ ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidC
     first_along_one.front() = 0;
     if (first_along_one != top && first_along_one != finest)
       candidates.pyramids.push_back({top, first_along_one, finest});
-    // One dimension after the other, the last first.
+    // Refines one dimension after the other, the last first.
     std::vector<ParameterPyramid::Halvings> taking_turns = {top};
     for (auto next = top; next != finest; taking_turns.push_back(next)) {
       const auto most = std::max_element(next.rbegin(), next.rend());
@@ -106,7 +107,7 @@ ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidC
 
 namespace {
 
-/// Wavelets take several times as long to decode as cosines: they are chosen where they bring a twentieth.
+/// Wavelets take several times as long to decode as cosines. They must lower the cost by a twentieth.
 constexpr double kWaveletFactor = 1.05;
 
 double comparable_cost(const EncodedChunk& chunk, ImageCoder coder, double lambda) {
@@ -121,7 +122,7 @@ ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights
   for (const auto& [coder, side] : candidates.coders) {
     ChunkEncoder encoder(source, weights_of(coder, side), coder, side);
     ChunkSettings settings;
-    if (best) settings = best->settings;  // the best pyramid or basis of the coders before
+    if (best) settings = best->settings;  // the best pyramid or basis of the previous coders
     settings.lambda = lambda;
     settings.open_loop = candidates.open_loop;
     settings.coder = coder;
@@ -149,7 +150,7 @@ ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights
     }
     settings.levels.clear();
     double least = std::numeric_limits<double>::max();
-    for (const std::size_t images : candidates.basis_images) {  // more images stop paying once they have stopped
+    for (const std::size_t images : candidates.basis_images) {  // stops at the first image count that does not pay
       settings.basis_images = images;
       const double cost = try_settings();
       if (cost >= least) break;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder's two ends of a SymbolCoder: one writes bytes, one adds up what symbols would cost and leaves the
-// contexts as they are.
+// Defines the encoder's two ends of a SymbolCoder. One writes bytes; the other only counts the cost of symbols and does
+// not change the contexts.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ class CountingPort {
   float bits() const { return bits_; }
 
  private:
-  /// Bits that a symbol of probability (i + 1/2) / 1024 takes.
+  /// Returns the bits of a symbol with probability (i + 1/2) / 1024.
   static const std::array<float, 1025>& costs() {
     static const auto table = [] {
       std::array<float, 1025> values{};

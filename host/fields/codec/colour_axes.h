@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the colour axes of a chunk: the eigenvectors of the colours' covariance, texels weighed by what is seen of
-// them, so that nearly all of a texture lies in one plane (Karhunen-Loeve transform). A rotation, so that errors of the
-// planes add up to errors of red, green and blue.
+// Chooses the colour axes of a chunk: the eigenvectors of the colours' covariance, with texels weighted by their
+// visibility. Nearly all of a texture is then in one plane (Karhunen-Loeve transform). The axes form a rotation, so
+// that squared errors of the planes add up to squared errors of red, green and blue.
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ struct ColourAxes {
   std::array<std::int16_t, 4> quaternion{32767, 0, 0, 0};
 };
 
-/// `textures`: [texel][3] each; `weights`: of each texel, at least 0. Where no texel weighs anything, red, green, blue.
+/// `textures`: [texel][3] each; `weights`: one per texel, at least 0. If all weights are 0, the axes are red, green and
+/// blue.
 ColourAxes colour_axes(const std::vector<std::vector<float>>& textures, const std::vector<float>& weights);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. Coefficients are chosen
-// by rate and distortion: a block is tried with fewer bands, and each of its coefficients one nearer to zero, at what
-// the contexts then say the symbols take, and what makes error + lambda bits least is kept.
+// by rate and distortion. For each block the encoder tries fewer bands, and each coefficient lowered by one step.
+// It keeps the choice with the least error + lambda bits; the bits follow from the contexts.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -9,15 +9,15 @@
 
 namespace multum {
 
-/// What of an image shall be coded, and how well.
+/// The wanted coefficients of an image, and their required precision.
 struct DctTarget {
-  /// Of each plane, block by block: the coefficients wanted; grid.count() * side * side.
+  /// Wanted coefficients per plane, block by block: grid.count() * side * side.
   std::array<std::vector<float>, CoefficientBlocks::kPlanes> coefficients;
-  /// Of one block after another: what the square of a coefficient's error weighs, at least 0; 0 where nothing sees it.
+  /// Weights of squared errors per coefficient, block by block: at least 0; 0 where the coefficient is invisible.
   std::vector<float> weights;
-  std::vector<float> steps;  // above 0, of each place of a block
-  float scale = 1.0f;        // of all steps
-  float lambda = 0.0f;       // weighed squared error that one bit is worth
+  std::vector<float> steps;  // steps above 0, one per place of a block
+  float scale = 1.0f;        // multiplies all steps
+  float lambda = 0.0f;       // weighted squared error that one bit is worth
 };
 
 class DctStreamEncoder {
@@ -27,18 +27,19 @@ class DctStreamEncoder {
   DctStreamEncoder(const DctStreamEncoder&) = delete;
   DctStreamEncoder& operator=(const DctStreamEncoder&) = delete;
 
-  /// Codes the next image; what the decoder will have is returned. `parent`, `before` and `level` as in the decoder.
+  /// Codes the next image and returns the image that the decoder will have. `parent`, `before` and `level` are as in
+  /// the decoder.
   CoefficientBlocks add_image(const DctTarget& target, const CoefficientBlocks* parent, const CoefficientBlocks* before,
                               std::size_t level);
 
   std::size_t bits() const { return port_.bits(); }
-  /// Ends the stream; nothing may be added afterwards.
+  /// Ends the stream. Nothing may be added afterwards.
   std::vector<std::uint8_t> finish() { return port_.finish(); }
 
  private:
   using Values = std::vector<std::int16_t>;
 
-  /// Where an image stands among others.
+  /// The images that an image is coded against, and its level.
   struct ImagePlace {
     const CoefficientBlocks *parent, *before;
     std::size_t level;
@@ -58,7 +59,8 @@ class DctStreamEncoder {
   AdaptiveBit empty_plane_;
 };
 
-/// Cosine coefficients of an image's blocks, [block][v][u]; beyond the borders the outermost samples go on.
+/// Returns the cosine coefficients of an image's blocks, [block][v][u]. Beyond the borders the outermost samples
+/// repeat.
 std::vector<float> block_coefficients(const BlockGrid& grid, std::span<const float> samples);
 
 }  // namespace multum

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-/// Drawn with A, three channels a texel: [row][3].
+/// Draws with A, three channels per texel: [row][3].
 std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& texels) {
   std::vector<float> pixels(3 * matrix.row_count());
   for (std::size_t r = 0; r < matrix.row_count(); ++r)
@@ -23,7 +23,7 @@ std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& t
   return pixels;
 }
 
-/// A^T pixels, handed down to the finest level: [height][width][3].
+/// Returns A^T pixels, added up in the finest level: [height][width][3].
 std::vector<float> handed_back(const FilterMatrix& matrix, const std::vector<float>& pixels) {
   const auto width = static_cast<std::size_t>(matrix.texture_width);
   const auto height = static_cast<std::size_t>(matrix.texture_height);
@@ -48,7 +48,7 @@ class Probe {
   const BlockGrid& grid() const { return grid_; }
   const std::vector<WaveletBand>& bands() const { return bands_; }
 
-  /// The sum of the kind's basis images with signs of `random`, [height][width].
+  /// Returns the sum of the kind's basis images with random signs, [height][width].
   std::vector<float> image(std::size_t kind, SplitMix64& random) const {
     std::vector<float> samples(layout_.width * layout_.height);
     const auto sign = [&random] { return random.next() >> 63 != 0 ? 1.0f : -1.0f; };
@@ -69,7 +69,7 @@ class Probe {
     return samples;
   }
 
-  /// Adds what lies at texels to the kind's coefficients there; `stride` and `offset` of the texels' values.
+  /// Adds texel values to the kind's coefficients there. `stride` and `offset` select the texel values.
   void collect(std::size_t kind, const std::vector<float>& texels, std::size_t channel,
                std::vector<float>& energies) const {
     if (is_dct()) {
@@ -102,8 +102,9 @@ class Probe {
   std::vector<WaveletBand> bands_;
 };
 
-/// Wavelets reach beyond their places: none weighs less than this share of its heaviest neighbour. Without it, what
-/// lies at borders of what is seen is left out, and the error of field_demo1 at 370:1 is half as large again.
+/// Raises the weights of wavelets, which reach beyond their places, to at least this share of their heaviest neighbour.
+/// Otherwise details at the borders of visible areas are lost, and the error of field_demo1 at 370:1 is half as large
+/// again.
 void raise_beside_seen(const Probe& probe, std::size_t width, std::vector<float>& energies) {
   constexpr float kShare = 0.3f;
   const std::vector<float> before = energies;
@@ -128,8 +129,8 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
   return masses;
 }
 
-/// By the fourth root of the block's greatest mass, over sixteenths of it, over its mean. On field_demo1 this leaves
-/// less error at equal bytes than no correction (0.5 % of error + lambda bits), the square root about the same.
+/// Splits each block into sixteen parts and returns the fourth root of greatest mass over mean mass. On field_demo1
+/// this correction lowers error + lambda bits by 0.5 %; the square root gives about the same.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses) {
   constexpr float kExponent = 0.25f, kShareMin = 0.02f;
   const BlockGrid grid{layout.width, layout.height, layout.side};
@@ -154,7 +155,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
   const Probe probe(layout);
   std::vector<std::vector<float>> energies(matrices.size(), std::vector<float>(probe.coefficients()));
   SplitMix64 random(1);
-  // Wavelets overlap one another: what a single choice of signs gives is noise to a third.
+  // Wavelets overlap, so one choice of signs measures their weights only to within a third.
   const std::size_t rounds = probe.is_dct() ? 1 : 4;
   for (std::size_t kind = 0; kind < rounds * probe.kinds(); kind += 3) {  // three at once, as red, green and blue
     const std::size_t count = std::min<std::size_t>(3, rounds * probe.kinds() - kind);
@@ -186,7 +187,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers) {
   constexpr float kExponent = 2.0f - 2.0f / 2.2f;
-  constexpr float kRadianceMin = 3e-4f;  // 6 of 255, gamma-coded: below it the slope of the gamma curve says little
+  constexpr float kRadianceMin = 3e-4f;  // 6 of 255 gamma-coded; below it the slope of the gamma curve is unreliable
   constexpr float kShareMin = 0.01f;
   std::vector<std::vector<float>> pictures;
   std::vector<float> sum(3 * matrix.row_count());
@@ -199,7 +200,7 @@ std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
   const auto rows = (static_cast<std::size_t>(matrix.texture_height) + kShareCell - 1) / kShareCell;
   std::vector<std::vector<float>> shares;
   for (const auto& picture : pictures) {
-    std::vector<float> pixels(sum.size());  // what shows of it, 1, nothing
+    std::vector<float> pixels(sum.size());  // visible share, 1, unused
     for (std::size_t r = 0; r < matrix.row_count(); ++r) {
       float shown = 0.0f;
       for (std::size_t c = 0; c < 3; ++c) {

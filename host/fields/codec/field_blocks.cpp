@@ -16,7 +16,7 @@ class BlockCutter {
               const std::vector<std::string>& textures, const BlockLimits& limits)
       : field_(field), grid_(grid), mappings_(mapping_of_sample), textures_(textures), limits_(limits) {}
 
-  /// To boxes of one mapping, and these to blocks.
+  /// Cuts a box into boxes of one mapping, and these into blocks.
   void cut(const FieldBlock& box) {
     const auto place = mapping_change(box);
     if (!place) return cut_mapped(box, box);
@@ -41,7 +41,7 @@ class BlockCutter {
     return {first, second};
   }
 
-  /// `block` lies in a box of one mapping.
+  /// Cuts `block`, which is in a box of one mapping.
   void cut_mapped(FieldBlock block, const FieldBlock& box) {
     find_varying(block);
     const auto place = cut_of(block, box);
@@ -51,7 +51,7 @@ class BlockCutter {
     cut_mapped(second, box);
   }
 
-  /// The dimension and the length of the first part, where a block is too large.
+  /// Returns the dimension to cut and the length of the first part; nullopt: the block is small enough.
   std::optional<std::pair<std::size_t, int>> cut_of(const FieldBlock& block, const FieldBlock& box) const {
     std::size_t samples = 1;
     for (const std::size_t d : block.varying) {
@@ -66,7 +66,7 @@ class BlockCutter {
     return std::pair(longest, block.size[longest] / 2);
   }
 
-  /// The dimension and distance from the begin at which the mapping first changes.
+  /// Returns the dimension in which the mapping first changes, and the distance from the block's beginning.
   std::optional<std::pair<std::size_t, int>> mapping_change(const FieldBlock& block) const {
     std::optional<std::pair<std::size_t, int>> found;
     for (std::size_t d = 0; d < block.size.size(); ++d) {
@@ -82,7 +82,7 @@ class BlockCutter {
     return found;
   }
 
-  /// Whether samples that the chunk has one texture for have one.
+  /// Returns whether all samples that share a texture of the chunk really have the same texture.
   bool fits(const FieldBlock& block) const {
     std::map<std::size_t, std::string> names;
     bool all = true;
@@ -137,7 +137,7 @@ std::vector<std::size_t> SampleGrid::samples_in(const FieldBlock& block) const {
 SampleGrid sample_grid(const std::vector<InferredSample>& samples) {
   SampleGrid grid;
   grid.sizes.resize(samples.front().at.size(), 1);
-  const auto refuse = [] { throw Error(ErrorCode::kInput, "its samples are no full grid of the parameters"); };
+  const auto refuse = [] { throw Error(ErrorCode::kInput, "its samples do not form a full grid of the parameters"); };
   std::size_t count = 1;
   for (std::size_t d = 0; d < grid.sizes.size(); ++d) {
     for (const InferredSample& sample : samples) {

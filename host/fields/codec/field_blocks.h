@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts the grid of parameters of a field into blocks, each coded as one texture chunk: for every layer of an object,
-// boxes of samples that share a texture mapping, at most so many along each parameter that its textures vary with.
-// Blocks of different objects may begin at different samples (Hakura et al. 2000, section 5), so that a path does not
-// meet new blocks of all of them in one frame:
+// Cuts the parameter grid of a field into blocks. Each block of a layer is coded as one texture chunk. A block is a box
+// of samples that share a texture mapping. It has a limited number of samples along each parameter that its textures
+// vary with. Blocks of different objects may begin at different samples (Hakura et al. 2000, section 5), so that a path
+// does not enter new blocks of all objects in one frame:
 //
 //      samples along a parameter   0 1 2 3 4 5 6 7 8 9        side 4
 //      an object, first 0          |-------|-------|---
@@ -18,36 +18,36 @@
 namespace multum {
 
 struct FieldBlock {
-  std::vector<int> begin, size;      // of a box, along each parameter
-  std::vector<std::size_t> varying;  // parameters that its textures vary with, rising
+  std::vector<int> begin, size;      // box along each parameter
+  std::vector<std::size_t> varying;  // parameters that its textures vary with, ascending
 
-  /// Sizes along `varying`; a single 1 when there is none.
+  /// Returns the sizes along `varying`, or a single 1 if nothing varies.
   std::vector<std::size_t> chunk_sizes() const;
-  /// The chunk's texture of a sample in the block.
+  /// Returns the chunk's texture for a sample in the block.
   std::size_t chunk_sample(const std::vector<int>& at) const;
 };
 
 /// The samples of a field as a full grid.
 struct SampleGrid {
   std::vector<std::size_t> sizes;      // along each parameter
-  std::vector<std::size_t> sample_at;  // by position, the last parameter runs fastest: index into the samples
+  std::vector<std::size_t> sample_at;  // index into the samples by position; the last parameter changes fastest
 
   std::size_t position_of(const std::vector<int>& at) const;
-  /// Of a block that lies in the grid, by rising position.
+  /// Returns the samples of a block in the grid, by ascending position.
   std::vector<std::size_t> samples_in(const FieldBlock& block) const;
 };
 
-/// Throws Error(kInput) unless every point of the grid has one sample; the caller's file is not named.
+/// Throws Error(kInput) unless every point of the grid has one sample. The message does not name the file.
 SampleGrid sample_grid(const std::vector<InferredSample>& samples);
 
 struct BlockLimits {
-  int side = 8;   // samples along a varying parameter, at least 1
-  int first = 0;  // of the first block along one, where samples of a mapping do not fit in one; 0 to side; 0: side
+  int side = 8;                 // samples along a varying parameter, at least 1
+  int first = 0;                // length of the first block, where a mapping's samples need several; 0 to side; 0: side
   std::size_t samples_max = 1;  // textures of a block, at least 1
 };
 
-/// Blocks that cover the grid, in a fixed order. `mapping_of_sample`, `textures`: of each sample; "" is no texture and
-/// fits any.
+/// Returns blocks that cover the grid, in a fixed order. `mapping_of_sample`, `textures`: one per sample; "" means no
+/// texture and fits every block.
 std::vector<FieldBlock> field_blocks(const InferredManifest& field, const SampleGrid& grid,
                                      const std::vector<int>& mapping_of_sample,
                                      const std::vector<std::string>& textures, const BlockLimits& limits);

@@ -23,15 +23,15 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
-constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // of matrices: 100,000 samples of ten objects
+constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // numbers in matrices: 100,000 samples of ten objects
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-// Of a mapping: what was found while it was made, which nobody needs to play.
+// Keys of a mapping that describe its search. Players do not need them.
 constexpr std::array kFoundKeys = {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"};
 
-// Fractions become the shortest decimals that are read back as the same singles.
+// Replaces fractions by the shortest decimals that give the same single-precision numbers.
 void round_to_singles(json& value) {
   if (value.is_structured()) {
     for (json& child : value) round_to_singles(child);
@@ -42,7 +42,7 @@ void round_to_singles(json& value) {
   }
 }
 
-// The index of `value` in `list`, put there if it is new.
+// Returns the index of `value` in `list`. Appends `value` if it is new.
 template <typename Value>
 int index_in(std::vector<Value>& list, const Value& value) {
   const auto found = std::find(list.begin(), list.end(), value);
@@ -79,7 +79,7 @@ json description_json(const FieldDescription& description) {
 std::string inflated(std::span<const std::uint8_t> bytes) {
   ByteReader reader(bytes);
   const std::uint64_t length = reader.number(kTextBytesMax);
-  if (reader.failed()) refuse_description("does not say how long it is");
+  if (reader.failed()) refuse_description("does not give its length");
   std::string text(length, '\0');
   auto written = static_cast<uLongf>(length);
   const auto packed = bytes.subspan(reader.position());
@@ -93,16 +93,16 @@ std::size_t index_of(const json& value, const char* what) {
   return static_cast<std::size_t>(json_integer_of(value, what, 0, INT32_MAX));
 }
 
-// As scene_from() reads it. Returns the layers of each object.
+// Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // of all samples, which share what is stored once
+  std::size_t numbers = 0;  // numbers of all samples; samples share the numbers that are stored once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));
     numbers += view.size();
     for (const json& matrix : move) numbers += std::max<std::size_t>(matrix.size(), 1);
-    if (numbers > kNumbersMax) refuse_description("moves more objects in more samples than a field may have");
+    if (numbers > kNumbersMax) refuse_description("moves too many objects in too many samples for a field");
     sample = {{"name", sample.at(0)}, {"at", sample.at(1)}, {"worldToClip", view}, {"objectToWorld", move}};
   }
   std::vector<json> layers;
@@ -145,9 +145,9 @@ PackedLayer layer_from(const json& entry, std::size_t object, const InferredMani
       ++count;
     }
   }
-  if (count != field.samples.size()) refuse_description("has blocks that leave samples out");
+  if (count != field.samples.size()) refuse_description("has blocks that do not cover all samples");
   for (const int sample : layer.unseen)
-    if (sample < 0 || sample >= std::ssize(field.samples)) refuse_description("names a sample that there is not");
+    if (sample < 0 || sample >= std::ssize(field.samples)) refuse_description("names an unknown sample");
   if (!std::is_sorted(layer.unseen.begin(), layer.unseen.end())) refuse_description("has samples out of order");
   return layer;
 }
@@ -197,7 +197,7 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   } catch (const json::exception& error) {
     refuse(std::string("is damaged: ") + error.what());
   } catch (const std::out_of_range&) {
-    refuse("names a view that there is not");
+    refuse("names an unknown view");
   }
   return result;
 }

@@ -31,7 +31,7 @@ InferredTexture read_texture_of(const std::string& folder, const std::string& na
   const std::string path = folder + "/" + name;
   InferredTexture texture = read_inferred_texture(path);
   if (static_cast<std::size_t>(texture.width) != width || static_cast<std::size_t>(texture.height) != height)
-    refuse_file(path, fmt::format("is of {} x {} texels, the manifest's mapping of {} x {}", texture.width,
+    refuse_file(path, fmt::format("has {} x {} texels, but the manifest's mapping has {} x {}", texture.width,
                                   texture.height, width, height));
   return texture;
 }
@@ -40,7 +40,7 @@ const TextureMapping& mapping_of_sample(const InferredObject& object, std::size_
   return object.mappings[static_cast<std::size_t>(object.mapping_of_sample[sample])];
 }
 
-/// Reads an object and finds what weighs its errors. A thread holds the matrices of a few poses at a time.
+/// Reads an object and measures the weights of its errors. A thread holds the matrices of a few poses at a time.
 class ObjectReading {
  public:
   ObjectReading(const FieldSourceSettings& settings, const InferredManifest& field, const InferredObject& object,
@@ -71,11 +71,11 @@ class ObjectReading {
     for (const std::size_t p : weights_.pose_of_sample) weights_.pixels += poses_[p].pixels;
   }
 
-  /// Some poses of one coder at a time: basis images are made once for all of them.
+  /// Measures several poses of one coder at a time, because they can share basis images.
   void find_energies(Progress* progress) {
     struct Item {
       CoderAndSide coder;
-      std::vector<std::size_t> poses;  // of one size of textures
+      std::vector<std::size_t> poses;  // poses whose textures have the same size
     };
     constexpr std::size_t kPosesMax = 8;
     const auto measured = measured_of_poses();
@@ -108,7 +108,7 @@ class ObjectReading {
     });
   }
 
-  /// The chunk of a layer's block; nothing when no sample of it has a texture.
+  /// Returns the chunk of a layer's block; nullopt if none of its samples has a texture.
   std::optional<ChunkToCode> chunk_of(const SampleGrid& grid, const InferredLayer& layer,
                                       const FieldBlock& block) const {
     ChunkToCode chunk;
@@ -135,7 +135,7 @@ class ObjectReading {
     return chunk;
   }
 
-  /// Of all matrices and textures, in an order that does not depend on threads.
+  /// Adds all matrices and textures in an order that does not depend on threads.
   void add_to(Checksum& checksum) const {
     for (const Pose& pose : poses_) checksum.update(pose.checksum.data(), pose.checksum.size());
     for (const auto& [name, text] : checksums_) {
@@ -146,7 +146,7 @@ class ObjectReading {
 
  private:
   struct Pose {
-    std::size_t first_sample;  // that its matrix is named after
+    std::size_t first_sample;  // the sample in its matrix's file name
     std::vector<std::size_t> samples;
     std::vector<float> masses;  // texel_masses
     double pixels;              // covered
@@ -163,7 +163,8 @@ class ObjectReading {
             coder.second};
   }
 
-  /// Poses with the same texture coordinates that see the object from the same place: they differ in what hides it.
+  /// Returns groups of poses with the same texture coordinates that see the object from the same place. Poses of a
+  /// group differ only in occlusion.
   std::vector<std::vector<std::size_t>> alike_poses() const {
     std::vector<glm::dmat4> object_to_clip;
     std::vector<std::vector<std::size_t>> groups;
@@ -182,7 +183,7 @@ class ObjectReading {
     return groups;
   }
 
-  /// Of each pose, those whose energies are measured for it: itself alone, or some that are like it.
+  /// Returns for each pose the poses whose measured energies it uses: only itself, or some similar poses.
   std::vector<std::vector<std::size_t>> measured_of_poses() const {
     std::vector<std::vector<std::size_t>> result(poses_.size());
     for (const std::vector<std::size_t>& poses : alike_poses()) {
@@ -204,12 +205,12 @@ class ObjectReading {
     FilterMatrix matrix = read_filter_matrix(path);
     const TextureMapping& mapping = mapping_of_sample(object_, pose.first_sample);
     if (matrix.texture_width != mapping.width || matrix.texture_height != mapping.height)
-      refuse_file(path, fmt::format("is of a texture of {} x {}, the manifest's mapping of {} x {}",
+      refuse_file(path, fmt::format("is for a texture of {} x {} texels, but the manifest's mapping has {} x {}",
                                     matrix.texture_width, matrix.texture_height, mapping.width, mapping.height));
     return matrix;
   }
 
-  /// Of each layer in a sample.
+  /// Returns the shares of each layer in a sample.
   std::vector<std::vector<float>> shares_of(std::size_t sample, const FilterMatrix& matrix) {
     std::vector<std::vector<float>> radiances;
     for (const InferredLayer& layer : object_.layers) {
@@ -243,8 +244,8 @@ class ObjectReading {
   const InferredObject& object_;
   ObjectWeights& weights_;
   std::vector<Pose> poses_;
-  std::mutex mutex_;                              // of progress and checksums_
-  std::map<std::string, std::string> checksums_;  // of textures, by name
+  std::mutex mutex_;                              // guards progress and checksums_
+  std::map<std::string, std::string> checksums_;  // checksums of textures, by name
 };
 
 void read_object(const FieldSourceSettings& settings, const InferredManifest& field, std::size_t number,
@@ -261,7 +262,7 @@ void read_object(const FieldSourceSettings& settings, const InferredManifest& fi
   for (const TextureMapping& mapping : object.mappings)
     texels = std::max(texels, static_cast<std::size_t>(mapping.width) * static_cast<std::size_t>(mapping.height));
   const std::size_t samples_max = std::max<std::size_t>(1, TextureChunkFormat::kTexelsMax / 2 / texels);
-  // Spread evenly over a block's side.
+  // Spreads the objects evenly over a block's side.
   const int first = settings.stagger ? static_cast<int>(number * static_cast<std::size_t>(settings.block) /
                                                         std::max<std::size_t>(1, field.objects.size()))
                                      : 0;
@@ -340,7 +341,7 @@ ChunkSource read_chunk_source(const FieldSource& field, const ChunkToCode& chunk
     if (!chunk.textures[i].empty())
       source.textures[i] =
           finest_gamma_coded(read_texture_of(field.folder, chunk.textures[i], chunk.width, chunk.height));
-  // What nobody draws is what costs nothing: a neighbour's.
+  // An invisible texture repeats a neighbour's texture, which costs nothing.
   const auto first =
       std::find_if(source.textures.begin(), source.textures.end(), [](const auto& t) { return !t.empty(); });
   MULTUM_CHECK(first != source.textures.end());

@@ -22,7 +22,7 @@ std::size_t section_number(const PackedIndex& index, const PackedSection* sectio
   return static_cast<std::size_t>(section - index.sections().data());
 }
 
-/// The samples of a block that have a texture, by the chunk's number.
+/// Returns the samples of a block that have a texture, by the chunk's number.
 std::map<std::size_t, std::vector<std::size_t>> drawn_samples(const FieldDescription& description,
                                                               const PackedLayer& layer, const FieldBlock& block) {
   std::map<std::size_t, std::vector<std::size_t>> samples;
@@ -66,7 +66,7 @@ std::vector<std::uint8_t> PackedFieldFile::bytes_at(std::uint64_t offset, std::u
   stream_.clear();
   stream_.seekg(static_cast<std::streamoff>(offset));
   if (!stream_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count)))
-    refuse_file(path_, fmt::format("cannot be read to byte {}", offset + count));
+    refuse_file(path_, fmt::format("cannot be read up to byte {}", offset + count));
   return bytes;
 }
 
@@ -83,7 +83,7 @@ void PackedFieldFile::read_index() {
   for (const PackedSection& section : index_.sections())
     if (where.empty() && section.offset + section.length > size_)
       where = fmt::format(", cut within section {}", section_number(index_, &section));
-  refuse_file(path_, fmt::format("has {} bytes, its index says {}{}", size_, index_.file_bytes(), where));
+  refuse_file(path_, fmt::format("has {} bytes, but its index says {}{}", size_, index_.file_bytes(), where));
 }
 
 std::string PackedFieldFile::section_name(std::size_t number) const {
@@ -127,7 +127,7 @@ void PackedFieldFile::check_head(std::size_t number, const TextureChunkFormat& f
       fits =
           fits && static_cast<int>(format.width) == mapping.width && static_cast<int>(format.height) == mapping.height;
     }
-  if (!fits) refuse_file(path_, section_name(number) + " is of other sizes than the description says");
+  if (!fits) refuse_file(path_, section_name(number) + " has other sizes than its description");
 }
 
 std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, std::span<const std::uint8_t> bytes,
@@ -155,7 +155,7 @@ InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, 
   const TextureChunkFormat& format = chunk.format();
   InferredTexture texture{static_cast<int>(format.width), static_cast<int>(format.height),
                           radiance_levels(chunk, sample), provenance};
-  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half
+  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half float
   round_to_half(texture.texels);
   return texture;
 }
@@ -172,8 +172,8 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
                                  .string();
   const std::string manifest_path = folder + "/" + kInferredManifestName;
   std::error_code error;
-  if (std::filesystem::exists(manifest_path, error))  // it may be the only one of textures that took hours
-    throw Error(ErrorCode::kUsage, manifest_path + ": is there already; unpack to a folder without one");
+  if (std::filesystem::exists(manifest_path, error))  // the manifest may be the only one of textures that took hours
+    throw Error(ErrorCode::kUsage, manifest_path + ": already exists; unpack to a folder without this file");
   make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());
   progress_stage(progress, "unpack");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads packed fields, whole or section by section, checks them, and unpacks them to a folder like that of multum
-// infer.
+// Reads packed fields, whole or section by section, checks them, and unpacks them to a folder in the format of `multum
+// infer`.
 #pragma once
 
 #include <cstdint>
@@ -16,32 +16,33 @@
 
 namespace multum {
 
-/// Whether the file begins as packed fields do. False also when it cannot be read. Throws Error(kInput) for what
-/// first_bytes() refuses.
+/// Returns whether the file begins like a packed field; false also if it cannot be read. Throws Error(kInput) for files
+/// that first_bytes() refuses.
 bool is_packed_field(const std::string& path);
 
-/// Index and description of a file; chunks are read as they are asked for. Not for two threads at once.
+/// The index and description of a file; chunks are read on request. Not for two threads at once.
 class PackedFieldFile {
  public:
-  /// Throws Error(kInput) naming the file and what is wrong: another format, cut short, a damaged index or description.
+  /// Throws Error(kInput) naming the file and its fault: another format, cut short, a damaged index or description.
   explicit PackedFieldFile(const std::string& path);
 
   const FieldDescription& description() const { return description_; }
   const PackedIndex& index() const { return index_; }
-  /// "section 3 (chunk: layer 'diffuse' of object 'walls', block 0)", for messages.
+  /// Returns a name for messages: "section 3 (chunk: layer 'diffuse' of object 'walls', block 0)".
   std::string section_name(std::size_t section) const;
-  /// Bytes of a section. Throws Error(kInput) naming it where they are damaged.
+  /// Returns the bytes of a section. Throws Error(kInput) naming the section if they are damaged.
   std::vector<std::uint8_t> section(std::size_t section);
-  /// The section that has the chunk of a block; nothing where nothing is seen in it. Throws Error(kInput) where it is
-  /// missing.
+  /// Returns the section with a block's chunk; nullopt if nothing in the block is visible. Throws Error(kInput) if the
+  /// section is missing.
   std::optional<std::size_t> chunk_section(std::size_t layer, std::size_t block) const;
-  /// The chunk of these bytes of its section. Throws Error(kInput) naming the section where it is damaged, of another
-  /// size than its description says, or exceeds the limits. For any number of threads at once, as all that is const.
+  /// Decodes the chunk from its section's bytes. Throws Error(kInput) naming the section if the chunk is damaged,
+  /// exceeds the limits, or has another size than its description. Like all const functions, it may run in any number
+  /// of threads.
   std::unique_ptr<TextureChunk> decode_chunk(std::size_t section, std::span<const std::uint8_t> bytes,
                                              const DecodingLimits& limits) const;
-  /// Throws Error(kInput) where a chunk's head is of other sizes than the description says.
+  /// Throws Error(kInput) if the sizes in a chunk's head differ from the description.
   void check_head(std::size_t section, const TextureChunkFormat& format) const;
-  /// All of it: null where nothing is seen in the block.
+  /// Reads and decodes a chunk. Returns null if nothing in the block is visible.
   std::unique_ptr<TextureChunk> chunk(std::size_t layer, std::size_t block);
 
  private:
@@ -55,20 +56,21 @@ class PackedFieldFile {
   FieldDescription description_;
 };
 
-/// Radiance of a chunk's sample with all mip levels, the finest first, [texel][3]: to be rounded to halves.
+/// Returns the radiance of a chunk's sample with all mip levels, the finest first, [texel][3], before rounding to half
+/// floats.
 std::vector<float> radiance_levels(const TextureChunk& chunk, std::size_t sample);
 
-/// The texture of a chunk's sample with all mip levels, values as the file of an unpacked texture gives them back.
+/// Returns the texture of a chunk's sample with all mip levels, with the values that reading an unpacked file gives.
 InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance);
 
 struct UnpackReport {
   std::size_t textures = 0, chunks = 0;
-  std::vector<std::string> damaged;  // what is wrong with each chunk that was left out
+  std::vector<std::string> damaged;  // the faults of all chunks that were left out
 };
 
-/// Writes textures with all mip levels, and last the manifest, to `folder`, which is made. Textures of damaged chunks
-/// are left out: their objects have none there. Throws Error, also where a manifest is there already; Cancelled, and
-/// then none is.
+/// Creates `folder` and writes textures with all mip levels, then the manifest. Textures of damaged chunks are left
+/// out; their objects have no texture there. Throws Error, also if a manifest already exists; Cancelled, without a
+/// manifest.
 UnpackReport unpack_field(const std::string& path, const std::string& folder, int threads, Progress* progress);
 
 struct PackedFinding {
@@ -76,10 +78,10 @@ struct PackedFinding {
   std::string section, detail;
 };
 
-/// Decodes every section. Throws Error(kInput) where not even index and description can be read.
+/// Decodes every section. Throws Error(kInput) if the index or the description cannot be read.
 std::vector<PackedFinding> verify_packed_field(const std::string& path);
 
-/// What a person wants to know of it, a line each.
+/// Returns facts about the file for people, one per line.
 std::string packed_field_text(const std::string& path);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts sections together to a packed field, NAME.mpt, as PackedIndex reads it.
+// Joins sections into a packed field, NAME.mpt, which PackedIndex reads.
 #pragma once
 
 #include "host/fields/codec/decoder/packed_index.h"
@@ -11,7 +11,7 @@ struct SectionSource {
   std::vector<std::uint8_t> bytes;  // up to PackedIndex::kSectionBytesMax
 };
 
-/// The file's bytes.
+/// Returns the file's bytes.
 std::vector<std::uint8_t> packed_file(const std::vector<SectionSource>& sections);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes eigenvectors of small symmetric matrices by cyclic Jacobi rotations (Golub and Van Loan, section 8.5): exact
-// to rounding, in an order of operations that depends on nothing but the size.
+// Computes eigenvectors of small symmetric matrices by cyclic Jacobi rotations (Golub and Van Loan, section 8.5). The
+// result is exact to rounding, and the order of operations depends only on the size.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Orthonormal, by falling eigenvalue. `matrix`: [size][size], symmetric.
+/// Returns orthonormal vectors by descending eigenvalue. `matrix`: [size][size], symmetric.
 std::vector<std::vector<double>> symmetric_eigenvectors(std::vector<double> matrix, std::size_t size);
 
 }  // namespace multum

@@ -14,11 +14,13 @@
 namespace multum {
 namespace {
 
-/// Steps in units of sqrt(lambda / weight). At high rates 2.9 would be right, where a bit more a coefficient quarters
-/// its error of step^2 / 12. Of 2, 2.5, 2.8, 3 and of 2, 3.5, 4.5 these left the least error + lambda bits on
-/// field_demo1. Wavelet coefficients below a whole step are zero, cosines below half of it.
+/// Steps in units of sqrt(lambda / weight). Theory gives 2.9 at high rates, where one more bit per coefficient quarters
+/// its error of step^2 / 12. On field_demo1, these values left the least error + lambda bits among 2, 2.5, 2.8, 3 for
+/// cosines and among 2, 3.5, 4.5 for wavelets. Wavelet coefficients below a whole step become zero, cosines below half
+/// a step.
 constexpr double kDctStep = 2.8, kWaveletStep = 3.5;
-/// Finer steps than the first are not needed, coarser ones up to this where higher frequencies are hardly drawn.
+/// Smallest weight ratio for coarser steps at high frequencies, which are hardly drawn. No step is finer than the
+/// first.
 constexpr double kWeightRatioMin = 1.0 / 60.0;
 constexpr float kOffsetUnit = 1.0f / 64.0f;
 
@@ -26,7 +28,7 @@ std::uint8_t code_of(double factor, int zero) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(8.0 * std::log2(factor)) + zero, 0l, 255l));
 }
 
-/// Mean of values, each weighed by itself: where much is seen it matters most.
+/// The mean of values, each weighted by itself: well visible parts matter most.
 class SelfWeighedMean {
  public:
   void add(double value) {
@@ -39,14 +41,14 @@ class SelfWeighedMean {
   double sum_ = 0.0, weight_ = 0.0;
 };
 
-/// The parts of a coder that encode_chunk needs, as cosines and wavelets have them.
+/// The parts of a coder that encode_chunk needs, for cosines and for wavelets.
 class ImageCoding {
  public:
   ImageCoding() = default;
   ImageCoding(const ImageCoding&) = delete;
   ImageCoding& operator=(const ImageCoding&) = delete;
   virtual ~ImageCoding() = default;
-  /// Codes an image and gives its coefficients as decoded, of each plane.
+  /// Codes an image and returns the decoded coefficients of each plane.
   virtual std::array<std::vector<float>, 3> add(std::array<std::vector<float>, 3> wanted, std::vector<float> weights,
                                                 std::optional<std::size_t> parent, std::size_t level, float scale) = 0;
   virtual std::vector<std::uint8_t> finish() = 0;
@@ -114,8 +116,8 @@ class WaveletCoding : public ImageCoding {
   std::vector<WaveletImage> images_;
 };
 
-/// Codes of steps by frequency: coarser where the runtime's filter averages a frequency away. The optimum step goes
-/// with the inverse root of the weight.
+/// Returns step codes by frequency, with coarser steps for frequencies that the runtime's filter averages away. The
+/// optimal step is proportional to the inverse root of the weight.
 std::vector<std::uint8_t> dct_step_codes(const TextureChunkFormat& format, const std::vector<float>& weights) {
   const std::size_t size = std::size_t{format.side} * format.side, classes = format.step_code_count() / 2;
   std::vector<double> of_place(size);
@@ -149,7 +151,7 @@ std::vector<std::uint8_t> wavelet_step_codes(const TextureChunkFormat& format, c
   return codes;
 }
 
-/// The weight of a typical coefficient of lowest frequency.
+/// Returns the weight of a typical coefficient of the lowest frequency.
 double typical_weight(const TextureChunkFormat& format, const std::vector<float>& weights) {
   SelfWeighedMean mean;
   if (format.coder == ImageCoder::kDct) {
@@ -185,7 +187,7 @@ void write_format(ByteWriter& writer, const TextureChunkFormat& format) {
   writer.bytes(format.step_codes);
 }
 
-/// A sample's share in an image.
+/// A sample and its share in an image.
 struct Share {
   std::size_t sample;
   float weight;
@@ -198,21 +200,21 @@ std::vector<std::vector<Share>> shares_of_images(const ImagePlan& plan) {
   return shares;
 }
 
-/// What an error of an image weighs in a sample. Of a pyramid's level the shares t of a sample's images sum to 1, so
-/// the square of the sum of their errors is at most sum t e^2; images of a basis are orthogonal.
+/// Returns the weight of an image's error in a sample. In a pyramid's level the shares t of a sample's images sum to 1,
+/// so the square of the sum of their errors is at most sum t e^2. Images of a basis are orthogonal.
 float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-/// What the samples still lack, coefficient by coefficient, and what of it an image shall be.
+/// The remaining difference of each sample, by coefficient, from which the target of the next image follows.
 class Residual {
  public:
-  /// `weights`: [sample][coefficient]; they must outlive it.
+  /// `weights`: [sample][coefficient]; they must outlive this object.
   Residual(std::vector<PlaneCoefficients> lacking, const std::vector<std::vector<float>>& weights)
       : lacking_(std::move(lacking)), weights_(weights) {}
 
-  /// Least squares over the image's samples, each by itself: sum q w r / t / sum q w, q of error_share. `weights`
-  /// becomes the denominator.
+  /// Returns the least-squares image over its samples, per coefficient: sum q w r / t / sum q w, with q of error_share.
+  /// Sets `weights` to the denominator.
   PlaneCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
                            std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
@@ -246,7 +248,7 @@ class Residual {
   }
 
  private:
-  static constexpr float kWeightMin = 1e-9f;  // of a pixel: nothing sees it
+  static constexpr float kWeightMin = 1e-9f;  // no pixel shows coefficients of lower weight
 
   std::vector<PlaneCoefficients> lacking_;
   const std::vector<std::vector<float>>& weights_;
@@ -257,12 +259,12 @@ void choose_steps(TextureChunkFormat& format, const std::vector<float>& weights)
       format.coder == ImageCoder::kDct ? dct_step_codes(format, weights) : wavelet_step_codes(format, weights);
 }
 
-/// Codes of the levels' factors, from what their images' errors weigh in all samples together.
+/// Chooses the codes of the levels' factors from the weights of their images' errors in all samples together.
 void choose_scales(TextureChunkFormat& format, const std::vector<float>& weights, double lambda, const ImagePlan& plan,
                    const std::vector<std::vector<Share>>& shares) {
   const double all = typical_weight(format, weights), samples = static_cast<double>(plan.of_samples.size());
   const std::size_t levels = plan.levels.back() + 1;
-  std::vector<double> served(levels), images(levels);  // how many samples an image serves
+  std::vector<double> served(levels), images(levels);  // number of samples that an image serves
   for (std::size_t i = 0; i < shares.size(); ++i) {
     images[plan.levels[i]] += 1.0;
     for (const Share& share : shares[i]) served[plan.levels[i]] += static_cast<double>(error_share(format, share));
@@ -274,7 +276,7 @@ void choose_scales(TextureChunkFormat& format, const std::vector<float>& weights
   }
 }
 
-/// The first eigenvectors, each scaled so that its largest weight is 127.
+/// Returns the first eigenvectors, each scaled so that its largest weight is 127.
 std::vector<std::vector<std::int8_t>> learnt_basis(const std::vector<std::vector<double>>& vectors,
                                                    std::size_t images) {
   std::vector<std::vector<std::int8_t>> basis;
@@ -324,7 +326,8 @@ ChunkEncoder::ChunkEncoder(const ChunkSource& source, const CoefficientWeights& 
   coefficients_ = transforms.coefficients({coder, source.width, source.height, side}, source.textures, planes);
 }
 
-/// Of the products of any two samples, coefficients weighed by the roots of what their errors weigh.
+/// Computes eigenvectors of the products of any two samples. Coefficients are weighted by the roots of their errors'
+/// weights.
 const std::vector<std::vector<double>>& ChunkEncoder::eigenvectors() {
   if (eigenvectors_) return *eigenvectors_;
   const std::size_t n = coefficients_.size();
@@ -357,7 +360,7 @@ EncodedChunk ChunkEncoder::encode(const ChunkSettings& settings, const std::func
   choose_scales(format, summed_weights_, settings.lambda, *plan, shares);
   const auto coding = coding_of(format, settings.lambda);
   Residual left(coefficients_, weights_);
-  std::optional<Residual> aim;  // of an open loop: what images shall add up to
+  std::optional<Residual> aim;  // open loop: the target sum of the images
   if (settings.open_loop) aim.emplace(left);
   for (std::size_t i = 0; i < plan->image_count(); ++i) {
     step();

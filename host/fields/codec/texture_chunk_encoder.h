@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the textures of one layer of an object over one block of parameters as a texture chunk (Hakura et al. 2000,
-// section 4): an adaptive Laplacian pyramid over the parameters, each of its images coded in two dimensions.
+// section 4): an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
 //
-// Departures from the paper. The loop is closed: an image is the weighted mean of what its samples still lack after the
-// coarser images as the decoder will have them, so that quantization errors of coarser images are not lost. Errors
-// weigh what they weigh in drawn pixels, coefficient by coefficient. Steps and the choice of coefficients follow from
-// one Lagrange multiplier, so that all images of all chunks coded with it have equal slopes of error over bits.
+// Departures from the paper: The loop is closed. An image is the weighted mean of the differences that remain in its
+// samples after the decoded coarser images, so that finer images correct quantization errors of coarser ones. Errors
+// have their weights in drawn pixels, per coefficient. Steps and the choice of coefficients follow from one Lagrange
+// multiplier. All images of all chunks coded with it then have equal slopes of error over bits.
 #pragma once
 
 #include <functional>
@@ -19,60 +19,59 @@ namespace multum {
 
 struct ChunkSource {
   std::size_t width = 1, height = 1;
-  std::vector<std::size_t> sizes;  // samples along each dimension, the last runs fastest
-  /// Of each sample, [height][width][3]: gamma-coded values, 255 for a radiance of 1.
+  std::vector<std::size_t> sizes;  // samples along each dimension; the last changes fastest
+  /// One per sample, [height][width][3]: gamma-coded values, 255 for a radiance of 1.
   std::vector<std::vector<float>> textures;
-  /// What the square of a texel's error weighs, summed over the samples, at least 0: for the choice of colour axes.
+  /// Weights of squared errors per texel, summed over the samples, at least 0. Used to choose colour axes.
   std::vector<float> texel_weights;
-  /// Makes coefficients of the textures, all of them together; null: HostImageTransforms.
+  /// Computes coefficients of all textures together; null: HostImageTransforms.
   ImageTransforms* transforms = nullptr;
 };
 
-/// What the square of an error of each coefficient weighs in one sample, at least 0: cosines [block][v][u], wavelets
-/// [height][width]. Called once for each sample.
+/// Returns the weights of squared errors per coefficient in one sample, at least 0: cosines [block][v][u], wavelets
+/// [height][width]. Called once per sample.
 using CoefficientWeights = std::function<std::vector<float>(std::size_t sample)>;
 
 struct ChunkSettings {
   ImageCoder coder = ImageCoder::kDct;
-  std::size_t side = 16;  // of cosine blocks: 8, 16 or 32
-  /// The pyramid's, as ParameterPyramid::of has them. None: a basis of at most `basis_images` images is learnt from the
-  /// block instead (Karhunen-Loeve transform over the samples).
+  std::size_t side = 16;  // side of cosine blocks: 8, 16 or 32
+  /// The levels of the pyramid, as in ParameterPyramid::of. Empty: a basis of at most `basis_images` images is learnt
+  /// from the block instead (Karhunen-Loeve transform over the samples).
   std::vector<ParameterPyramid::Halvings> levels;
   std::size_t basis_images = 8;
   bool linear = false;
-  /// Images are of what the coarser ones were to be, not of what they have become: as the paper has it.
+  /// Images continue from the exact coarser images instead of the decoded ones, as in the paper.
   bool open_loop = false;
-  double lambda = 1.0;  // weighed squared error that one bit is worth, above 0
+  double lambda = 1.0;  // weighted squared error that one bit is worth, above 0
 };
 
 struct EncodedChunk {
   std::vector<std::uint8_t> bytes;
-  /// What is left of the source, squared and weighed, summed over coefficients and samples.
+  /// Remaining error of the source, squared and weighted, summed over coefficients and samples.
   double error = 0.0;
 
   double cost(double lambda) const { return error + 8.0 * lambda * static_cast<double>(bytes.size()); }
 };
 
-/// What all ways to code a chunk by one image coder share: its textures in that coder's coefficients, and what those
-/// weigh. Not for two threads at once.
+/// Data that all codings of a chunk with one image coder share: the coefficients of its textures and their weights. Not
+/// for two threads at once.
 class ChunkEncoder {
  public:
   /// `side`: of cosine blocks. The source must outlive the encoder.
   ChunkEncoder(const ChunkSource& source, const CoefficientWeights& weights, ImageCoder coder, std::size_t side);
 
-  /// Stops the program where source and settings contradict one another. `step` is called before each image, and may
-  /// throw.
+  /// Stops the program if source and settings contradict each other. `step` is called before each image, and may throw.
   EncodedChunk encode(const ChunkSettings& settings, const std::function<void()>& step);
 
  private:
   const std::vector<std::vector<double>>& eigenvectors();
 
   const ChunkSource& source_;
-  TextureChunkFormat format_;                                       // of all ways: without levels
-  std::vector<PlaneCoefficients> coefficients_;                     // of each sample
+  TextureChunkFormat format_;                                       // common to all codings: without levels
+  std::vector<PlaneCoefficients> coefficients_;                     // by sample
   std::vector<std::vector<float>> weights_;                         // [sample][coefficient]
   std::vector<float> summed_weights_;                               // [coefficient]
-  std::optional<std::vector<std::vector<double>>> eigenvectors_{};  // made when first asked for
+  std::optional<std::vector<std::vector<double>>> eigenvectors_{};  // computed on first use
 };
 
 }  // namespace multum

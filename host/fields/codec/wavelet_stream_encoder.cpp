@@ -6,8 +6,8 @@
 namespace multum {
 namespace {
 
-/// Bits that a coefficient must be worth at least to be coded. Isolated ones take more, but pay off through what they
-/// save of the pyramid's finer images: with 6, files of field_demo1 are longer at equal error.
+/// A coded coefficient must be worth at least this many bits. Isolated coefficients take more bits, but they save bits
+/// in the pyramid's finer images. With 6 instead, files of field_demo1 are longer at equal error.
 constexpr float kBitsOfFinding = 2.0f;
 
 std::vector<std::int32_t> quantized(const WaveletTarget& target, std::size_t plane, const WaveletPlane& shape) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes the images of a pyramid over parameters into the stream that WaveletStreamDecoder reads. Any prefix of it
-// decodes: images before the cut wholly, the one that it falls into to the bit plane reached.
+// Encodes the images of a pyramid over parameters into the stream that WaveletStreamDecoder reads. Any prefix can be
+// decoded: images before the cut completely, and the cut image to the bit plane reached.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -8,14 +8,14 @@
 
 namespace multum {
 
-/// What of an image shall be coded, and how well.
+/// The wanted coefficients of an image, and their required precision.
 struct WaveletTarget {
-  std::array<std::vector<float>, 3> coefficients;  // of each plane, [height][width] as forward_wavelet leaves them
-  /// What the square of a coefficient's error weighs, at least 0, [height][width]; 0 where nothing sees it.
+  std::array<std::vector<float>, 3> coefficients;  // planes, [height][width] as forward_wavelet computes them
+  /// Weights of squared errors per coefficient, at least 0, [height][width]; 0 where the coefficient is invisible.
   std::vector<float> weights;
-  std::vector<float> steps;  // above 0, of each band as wavelet_bands has them
-  float scale = 1.0f;        // of all steps
-  float lambda = 0.0f;       // weighed squared error that one bit is worth
+  std::vector<float> steps;  // steps above 0, one per band in the order of wavelet_bands
+  float scale = 1.0f;        // multiplies all steps
+  float lambda = 0.0f;       // weighted squared error that one bit is worth
 };
 
 class WaveletStreamEncoder {
@@ -24,11 +24,11 @@ class WaveletStreamEncoder {
   WaveletStreamEncoder(const WaveletStreamEncoder&) = delete;
   WaveletStreamEncoder& operator=(const WaveletStreamEncoder&) = delete;
 
-  /// Codes the next image; what the decoder will have is returned. `parent` as in the decoder.
+  /// Codes the next image and returns the image that the decoder will have. `parent` is as in the decoder.
   WaveletImage add_image(const WaveletTarget& target, const WaveletImage* parent);
 
   std::size_t bits() const { return port_.bits(); }
-  /// Ends the stream; nothing may be added afterwards.
+  /// Ends the stream. Nothing may be added afterwards.
   std::vector<std::uint8_t> finish() { return port_.finish(); }
 
  private:

@@ -36,11 +36,10 @@ std::string geometry_path(const InferredManifest& field, const std::string& fold
 
 std::string checked_geometry(const InferredManifest& field, const std::string& folder) {
   const std::string path = geometry_path(field, folder);
-  // Why it cannot be read is not said: who wrote the manifest would learn of files that are only the reader's.
+  // The message does not say why the file is unreadable. Otherwise a manifest's author could probe the reader's private
+  // files.
   const std::optional<std::string> hash = hash_regular_file(path);
-  if (!hash)
-    refuse_file(path,
-                "is not there, or cannot be read as a file; expected the geometry that textures were inferred for");
+  if (!hash) refuse_file(path, "is missing or cannot be read; expected the geometry that textures were inferred for");
   if (*hash != field.geometry_hash)
     throw Error(ErrorCode::kInput,
                 path + ": is not the geometry that textures were inferred for (SHA-256 " + field.geometry_hash + ")");

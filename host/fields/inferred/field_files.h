@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names the files of a folder that multum infer wrote: which filter matrix an object has at a sample, and all files
-// that who packs the field reads.
+// Names the files of a folder of `multum infer`: the filter matrix of an object at a sample, and all files that packing
+// reads.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Samples that see an object alike, from one place and with the same texture coordinates, share its filter matrix.
+/// Groups of samples that see an object from one place with the same texture coordinates. They share its filter matrix.
 struct ObjectPoses {
   std::vector<std::size_t> first_samples;  // of each pose
   std::vector<std::size_t> of_sample;      // index into first_samples
@@ -19,19 +19,19 @@ struct ObjectPoses {
 
 ObjectPoses object_poses(const InferredManifest& field, const InferredObject& object);
 
-/// Of a pose of the object, by its first sample; relative to the manifest.
+/// Returns the matrix file of an object's pose, named by its first sample, relative to the manifest.
 std::string matrix_name(const InferredSample& sample, const InferredObject& object);
 
-/// Path of the manifest's scene file, which is not looked at; `folder` is what its name is relative to.
+/// Returns the path of the manifest's scene file without opening it. `folder`: its name is relative to this folder.
 std::string geometry_path(const InferredManifest& field, const std::string& folder);
 
-/// The same. Throws Error(kInput) where it cannot be read, is no regular file, or is not the one that textures were
-/// inferred for.
+/// Returns the same path after checks. Throws Error(kInput) if the file cannot be read, is not a regular file, or is
+/// not the scene that textures were inferred for.
 std::string checked_geometry(const InferredManifest& field, const std::string& folder);
 
-/// Textures and matrices of the manifest's objects, its scene file, and the report of `multum infer` where there is
-/// one, each once: absolute where the manifest is. The files are not looked at. Throws Error(kInput) when it cannot be
-/// read.
+/// Returns each file once: textures and matrices of the manifest's objects, its scene file, and the report of `multum
+/// infer` if present. Paths are absolute if the manifest's path is. Opens only the manifest, and throws Error(kInput)
+/// if it cannot be read.
 std::vector<std::string> inferred_field_files(const std::string& manifest_path);
 
 }  // namespace multum

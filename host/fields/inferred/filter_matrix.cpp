@@ -89,7 +89,7 @@ void read_header(const nlohmann::json& json, FilterMatrix& m) {
   m.rows_rejected = count_of(json, "rowsRejected");
 }
 
-// What the solver relies on without looking again.
+// Checks everything that the solver assumes.
 void check_contents(const FilterMatrix& m, const std::string& path) {
   for (int side : {m.width, m.height, m.texture_width, m.texture_height})
     if (side < 1 || side > kGpuSideMax)
@@ -101,21 +101,21 @@ void check_contents(const FilterMatrix& m, const std::string& path) {
   const auto texels = static_cast<std::uint32_t>(m.layout().texel_count);
   const auto pixel_count = static_cast<std::uint32_t>(m.width) * static_cast<std::uint32_t>(m.height);
   if (m.row_begin.front() != 0 || m.row_begin.back() != m.columns.size())
-    refuse_file(path, "its rows do not fill its entries");
+    refuse_file(path, "its rows do not cover all entries");
   for (std::size_t r = 0; r < m.row_count(); ++r) {
     if (m.row_begin[r] > m.row_begin[r + 1]) refuse_file(path, fmt::format("row {} ends before it begins", r));
-    if (m.pixels[r] >= pixel_count) refuse_file(path, fmt::format("row {} is of a pixel beyond the picture", r));
+    if (m.pixels[r] >= pixel_count) refuse_file(path, fmt::format("row {} is for a pixel outside the picture", r));
     if (!(m.coverage[r] > 0.0f && m.coverage[r] <= 1.0f))
       refuse_file(path, fmt::format("row {} has coverage {}, expected above 0 and at most 1", r, m.coverage[r]));
   }
   for (std::size_t i = 0; i < m.columns.size(); ++i) {
     if (m.columns[i] >= texels)
-      refuse_file(path, fmt::format("entry {} is of texel {} of {}", i, m.columns[i], texels));
+      refuse_file(path, fmt::format("entry {} is for texel {} of {}", i, m.columns[i], texels));
     if (!std::isfinite(m.weights[i])) refuse_file(path, fmt::format("entry {} is not finite", i));
   }
 }
 
-// A comment ends with its line, and names may hold whatever a glTF file's do.
+// Replaces line breaks: a comment ends with its line, and names from glTF files may contain any character.
 std::string in_one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
@@ -168,13 +168,13 @@ FilterMatrix read_filter_matrix(const std::string& path) {
     if (std::string_view(error.what()).starts_with(path)) throw;
     refuse_file(path, std::string("its header is damaged: ") + error.what());
   } catch (const std::bad_optional_access&) {
-    refuse_file(path, "its header names a wrap mode that is not known");
+    refuse_file(path, "its header names an unknown wrap mode");
   }
   for_each_list(m, [&](auto& list) {
     file.read(reinterpret_cast<char*>(list.data()), static_cast<std::streamsize>(list.size() * 4));
   });
-  if (!file) refuse_file(path, "cannot be read to its end");
-  if (checksum_of(m) != checksum) refuse_file(path, "is damaged: its checksum is not that of its header");
+  if (!file) refuse_file(path, "cannot be read completely");
+  if (checksum_of(m) != checksum) refuse_file(path, "is damaged: its checksum differs from the one in its header");
   check_contents(m, path);
   return m;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture, one row a
-// pixel that the object covers, one column a texel of the mip pyramid. The GL runtime measures it and writes it to a
-// file; the solver reads that, and knows no GL. docs/reference/inferred_textures.md describes the file.
+// The filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture. A has one
+// row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL runtime measures A and
+// writes it to a file. The solver reads this file without OpenGL. docs/reference/inferred_textures.md describes the
+// file.
 #pragma once
 
 #include <cstdint>
@@ -13,51 +14,52 @@
 
 namespace multum {
 
-/// Circumstances of the measurement: a solution holds for this renderer and sampler alone.
+/// Circumstances of the measurement. A solution is valid only for this renderer and sampler.
 struct FilterMatrixProvenance {
   std::string software;  // "multum-view 0.1.0"
   std::string renderer;  // "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6"
-  std::string view;      // the camera's name, and of what moves
+  std::string view;      // names of the camera and of moved objects
   std::string object;
   std::string mesh_hash;    // SHA-256 of positions, coordinates and indices as drawn
   std::string view_matrix;  // SHA-256 of the matrices of every object as drawn
-  std::string key;          // of who asked for it: equal keys, equal matrices
+  std::string key;          // set by the requester: equal keys mean equal matrices
 };
 
 struct FilterMatrix {
-  int width = 0, height = 0;  // of the picture, pixels
+  int width = 0, height = 0;  // size of the picture, pixels
   int supersampling = 1;      // sub-pixels along each side of a pixel, whose rows were averaged
   int texture_width = 1, texture_height = 1;
   WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;
   float anisotropy = 1.0f;
-  bool has_mips = true;  // false: bilinear, level 0 alone
+  bool has_mips = true;  // false: bilinear, level 0 only
   FilterMatrixProvenance provenance;
-  /// Covered pixels that are left out: weights of a sub-pixel did not sum to 1 within 1e-4, or not give what the GL
-  /// drew.
+  /// Covered pixels that are left out: the weights of a sub-pixel did not sum to 1 within 1e-4, or did not give the
+  /// colour that OpenGL drew.
   std::uint64_t rows_rejected = 0;
 
-  // One entry a covered pixel, by rising pixel number. A row's columns rise.
+  // One entry per covered pixel, by ascending pixel number. The columns of a row are ascending.
   std::vector<std::uint32_t> pixels;     // y * width + x, row 0 at the top
   std::vector<float> coverage;           // share of the pixel's sub-pixels, (0, 1]
   std::vector<std::uint32_t> row_begin;  // [rows + 1], into the next two
-  std::vector<std::uint32_t> columns;    // texel number as MipLayout has it
+  std::vector<std::uint32_t> columns;    // texel number in the order of MipLayout
   std::vector<float> weights;            // each row sums to 1
 
   std::size_t row_count() const { return pixels.size(); }
   MipLayout layout() const { return MipLayout(texture_width, texture_height); }
 };
 
-/// Appears whole, by rename. Throws Error(kEnvironment).
+/// The file appears complete, by rename. Throws Error(kEnvironment).
 void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
 
-/// Throws Error(kInput) naming the file and what is wrong: another format or version, cut short, damaged, columns
-/// beyond the texture, weights that are not finite.
+/// Throws Error(kInput) naming the file and its fault: another format or version, cut short, damaged, columns beyond
+/// the texture, weights that are not finite.
 FilterMatrix read_filter_matrix(const std::string& path);
 
-/// The key alone; empty when there is no such file, or no filter matrix in it.
+/// Returns only the key; empty if the file does not exist or is not a filter matrix.
 std::string filter_matrix_key(const std::string& path);
 
-/// Matrix Market coordinate format (Boisvert et al. 1996), real general, indices from 1; provenance as comments.
+/// Writes the Matrix Market coordinate format (Boisvert et al. 1996): real general, indices from 1, provenance as
+/// comments.
 void write_matrix_market(const FilterMatrix& matrix, const std::string& path);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the point of the grid of parameters that a user names: by its indices, "3,5", or by the sample's name.
+// Finds the point of the parameter grid that a user names: by its indices, "3,5", or by the sample's name.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// The number in `samples`, at least one, of that whose member `at`, or whose member `name`, is `text`. Throws
-/// Error(kUsage) saying what there is.
+/// Returns the index in `samples` of the entry whose `at` or `name` is `text`. `samples` must not be empty. Throws
+/// Error(kUsage) with the valid values.
 template <typename Sample>
 std::size_t find_sample(const std::vector<Sample>& samples, const std::vector<std::string>& parameters,
                         const std::string& text) {
@@ -22,7 +22,7 @@ std::size_t find_sample(const std::vector<Sample>& samples, const std::vector<st
     if (samples[s].name == text || indices(samples[s]) == text) return s;
   throw Error(
       ErrorCode::kUsage,
-      fmt::format("sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text,
+      fmt::format("sample '{}': expected the indices {} from {} to {}, or a sample's name such as {}", text,
                   fmt::join(parameters, ","), indices(samples.front()), indices(samples.back()), samples.front().name));
 }
 

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-/// Of an entry with the mean over so many pixels; `mse` is null where there are none.
+/// Returns mean error times pixel count of an entry. `mse` is null if there are no pixels.
 double error_sum(const nlohmann::json& entry) {
   const double pixels = entry.at("pixels").get<double>();
   return pixels > 0.0 ? entry.at("mse").get<double>() * pixels : 0.0;
@@ -34,7 +34,7 @@ std::optional<double> inference_error_sum(const std::string& folder) {
     const double sum = frames.is_null() ? sum_of_layers(report) : error_sum(frames);
     if (std::isfinite(sum) && sum >= 0.0) return sum;
   } catch (const Error&) {                      // no file
-  } catch (const nlohmann::json::exception&) {  // not one of ours
+  } catch (const nlohmann::json::exception&) {  // not a report of `multum infer`
   }
   return {};
 }

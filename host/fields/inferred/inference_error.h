@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads from the report of `multum infer` how far frames drawn of its textures are from the ray-traced ones: packing
-// takes its measure from that.
+// Reads from the report of `multum infer` the error of frames drawn with its textures, compared with the ray-traced
+// frames. Packing derives its error limit from it.
 #pragma once
 
 #include <optional>
@@ -8,12 +8,12 @@
 
 namespace multum {
 
-constexpr const char* kInferenceReportName = "report.json";  // beside the manifest
+constexpr const char* kInferenceReportName = "report.json";  // next to the manifest
 
-/// Squared error of frames drawn of a folder's textures beside the ray-traced ones: mean of red, green and blue, 8-bit
-/// sRGB units, summed over the pixels that objects cover wholly in all samples. Where no frames were drawn it is summed
-/// over layers: of four samples of field_demo1 that is 4 % more. Nothing where the folder has no report, or one without
-/// these figures.
+/// Returns the squared error of frames drawn with a folder's textures, compared with the ray-traced frames: the mean of
+/// red, green and blue in 8-bit sRGB units, summed over the pixels that objects cover wholly in all samples. If no
+/// frames were drawn, the errors are summed over layers; for four samples of field_demo1 this gives 4 % more. Returns
+/// nullopt if the folder has no report, or a report without these figures.
 std::optional<double> inference_error_sum(const std::string& folder);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The manifest of inferred textures as JSON.
+// Reads and writes the manifest of inferred textures as JSON.
 #include <fmt/format.h>
 
 #include "host/fields/inferred/inferred_texture.h"

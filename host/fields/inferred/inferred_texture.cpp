@@ -29,7 +29,7 @@ constexpr const char* kProvenance = "multum:provenance";
 constexpr int kTile = 64;
 constexpr std::array<const char*, 3> kChannels = {"R", "G", "B"};
 
-// One level as three interleaved halfs a texel.
+// Describes one level as three interleaved half floats per texel.
 Imf::FrameBuffer frame_of(half* texels, int width) {
   Imf::FrameBuffer frame;
   for (std::size_t c = 0; c < kChannels.size(); ++c)
@@ -45,17 +45,18 @@ std::size_t value_count(const MipLevelPlace& level) {
 void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) {
   const Imf::Header& header = file.header();
   if (file.levelMode() != Imf::MIPMAP_LEVELS || file.levelRoundingMode() != Imf::ROUND_DOWN)
-    refuse_file(path, "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)");
+    refuse_file(path, "does not have the mip-map mode of inferred textures (MIPMAP_LEVELS, ROUND_DOWN)");
   for (const char* name : kChannels) {
     const Imf::Channel* channel = header.channels().findChannel(name);
     if (channel == nullptr)
       refuse_file(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
-    // The library would round others, large ones to infinity.
-    if (channel->type != Imf::HALF) refuse_file(path, std::string("has a channel ") + name + " that is not of halfs");
+    // The library would round other types, and large values to infinity.
+    if (channel->type != Imf::HALF)
+      refuse_file(path, std::string("has a channel ") + name + " that does not hold half floats");
   }
-  // frame_of() begins at pixel (0, 0): of a window elsewhere the library would write beyond the texels.
+  // frame_of() begins at pixel (0, 0). For another window the library would write beyond the texels.
   if (header.dataWindow().min != Imath::V2i(0, 0))
-    refuse_file(path, "has a data window that does not begin at (0, 0), as those of inferred textures do");
+    refuse_file(path, "has a data window that does not begin at (0, 0); inferred textures begin there");
   const int width = file.levelWidth(0), height = file.levelHeight(0);
   if (width > kGpuSideMax || height > kGpuSideMax)
     refuse_file(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +
@@ -79,7 +80,7 @@ void write_inferred_texture(const InferredTexture& texture, const std::string& p
       const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
       const auto begin = texture.texels.begin() + 3 * level.offset;
       values.resize(value_count(level));
-      // Infinity would spread: of a texel that weighs nothing, the filter makes no number.
+      // Infinity would spread: the filter multiplies it by a zero weight, which gives NaN.
       std::transform(begin, begin + static_cast<std::ptrdiff_t>(values.size()), values.begin(),
                      [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
       output.setFrameBuffer(frame_of(values.data(), level.width));
@@ -133,7 +134,7 @@ std::string read_texture_provenance(const std::string& path) {
     if (!file.isComplete()) return "";
     const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance);
     return text != nullptr ? text->value() : "";
-  } catch (const std::exception&) {  // not one of ours: it is written anew
+  } catch (const std::exception&) {  // not an inferred texture: it is written again
     return "";
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes the results of texture inference: mip-mapped textures of radiance, and the manifest that says which
-// of them an object has at each point of the parameter space, where it is then, and from where it is seen.
+// Reads and writes the results of texture inference: mip-mapped radiance textures, and the manifest. The manifest lists
+// the textures of an object at each point of the parameter space, the object's place there, and the camera.
 // docs/reference/inferred_textures.md describes both.
 #pragma once
 
@@ -15,29 +15,29 @@
 
 namespace multum {
 
-/// Every level of a texture: three colours a texel, linear radiance, MipLayout's order.
+/// All levels of a texture: three colours per texel, linear radiance, in the order of MipLayout.
 struct InferredTexture {
   int width = 1, height = 1;
   std::vector<float> texels;
-  std::string provenance;  // JSON: how it was inferred, and from what
+  std::string provenance;  // JSON: settings and inputs of the inference
 };
 
-/// A tiled, mip-mapped EXR of halfs, "multum:provenance" in its header; values beyond the largest half become that
-/// one, 65504. Appears whole, by rename. Throws Error(kEnvironment).
+/// Writes a tiled, mip-mapped EXR of half floats, with "multum:provenance" in its header. Values beyond the largest
+/// half float become 65504. The file appears complete, by rename. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
-/// Rounds values to what the file gives back of them.
+/// Rounds values as writing and reading the file does.
 void round_to_half(std::vector<float>& values);
 
-/// Throws Error(kInput) naming the file and what is wrong with it.
+/// Throws Error(kInput) naming the file and its fault.
 InferredTexture read_inferred_texture(const std::string& path);
 
-/// The provenance alone; empty when there is no such file, or no such texture in it.
+/// Returns only the provenance; empty if the file does not exist or is not an inferred texture.
 std::string read_texture_provenance(const std::string& path);
 
 struct InferredLayer {
   std::string name;
-  std::vector<std::string> textures;  // of every sample, relative to the manifest; empty: the object has none there
+  std::vector<std::string> textures;  // texture of every sample, relative to the manifest; empty: none at this sample
 };
 
 struct InferredObject {
@@ -53,7 +53,8 @@ struct InferredSample {
   std::string name;
   std::vector<int> at;  // index along each parameter
   glm::dmat4 world_to_clip{1.0};
-  std::map<std::string, glm::dmat4> object_to_world;  // of objects that are not where the geometry file has them
+  // Places of objects that are not where the geometry file has them.
+  std::map<std::string, glm::dmat4> object_to_world;
 };
 
 struct InferredManifest {
@@ -64,13 +65,13 @@ struct InferredManifest {
   int supersampling = 1;
   std::vector<std::string> parameters;
   std::vector<InferredSample> samples;
-  std::vector<InferredObject> objects;  // also those without layers: they hide what is behind
+  std::vector<InferredObject> objects;  // includes objects without layers: they hide objects behind them
 };
 
 constexpr const char* kInferredManifestName = "inferred.json";
 
 void write_inferred_manifest(const InferredManifest& manifest, const std::string& path);
-/// Throws Error(kInput) naming the file and what is wrong.
+/// Throws Error(kInput) naming the file and its fault.
 InferredManifest read_inferred_manifest(const std::string& path);
 
 }  // namespace multum

@@ -9,11 +9,11 @@
 
 namespace multum {
 
-/// All of it but its version.
+/// Returns the whole manifest except for its version.
 nlohmann::json scene_json(const InferredManifest& manifest);
 
-/// Throws nlohmann::json::exception, and Error(kInput) without the file's name, for pictures of a size that there is
-/// not, no samples, a sample without an index for each parameter, or without one of an object's mappings.
+/// Throws nlohmann::json::exception. Throws Error(kInput) without the file's name for invalid picture sizes, for no
+/// samples, and for a sample without an index for each parameter or without one of an object's mappings.
 InferredManifest scene_from(const nlohmann::json& json);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes the JSON that the probe request and the manifest of inferred textures share: 4 x 4 matrices, as four
-// rows of four numbers, for column vectors; the sampler's anisotropy; the picture's size.
+// Reads and writes the JSON that probe requests and manifests of inferred textures share: 4 x 4 matrices for column
+// vectors, as four rows of four numbers; the sampler's anisotropy; the picture's size.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ inline glm::dmat4 matrix_from_json(const nlohmann::json& json) {
   return m;
 }
 
-/// Throws nlohmann::json::exception, and Error(kInput) beyond what the GL knows: the probe takes as many draws as the
+/// Throws nlohmann::json::exception, and Error(kInput) beyond OpenGL's range: the probe takes as many draws as the
 /// footprints are wide.
 inline float anisotropy_from_json(const nlohmann::json& json) {
   const auto anisotropy = json.get<double>();
@@ -40,12 +40,12 @@ inline float anisotropy_from_json(const nlohmann::json& json) {
 
 /// Throws Error(kInput).
 inline void check_picture_size(int width, int height, int supersampling) {
-  constexpr int kSupersamplingMax = 8;  // as docs/reference/animation_jobs.md has both
+  constexpr int kSupersamplingMax = 8;  // limit in docs/reference/animation_jobs.md
   if (width < 1 || height < 1 || width > kGpuSideMax || height > kGpuSideMax || supersampling < 1 ||
       supersampling > kSupersamplingMax)
     throw Error(ErrorCode::kInput, "the picture is " + std::to_string(width) + " x " + std::to_string(height) +
                                        " pixels with supersampling " + std::to_string(supersampling) +
-                                       ", expected 1 to 16384 a side and 1 to 8");
+                                       ", expected 1 to 16384 per side and 1 to 8");
 }
 
 }  // namespace multum

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// Throws Error without the file's name, which the caller knows.
+// Throws Error without the file's name, which the caller adds.
 ProbeRequest request_from(const nlohmann::json& json) {
   if (json_int(json, "multumProbeRequest") != 1)
     throw Error(ErrorCode::kInput, "is a probe request of another version, expected 1");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a request of the host to the GL runtime, to measure filter matrices of objects in one view: a JSON file
-// that `multum-view probe` reads (docs/reference/inferred_textures.md).
+// Describes a request to the OpenGL runtime to measure filter matrices of objects in one view. `multum-view probe`
+// reads it as a JSON file (docs/reference/inferred_textures.md).
 #pragma once
 
 #include <map>
@@ -14,12 +14,12 @@
 namespace multum {
 
 struct ProbeTask {
-  std::string object;  // of the geometry file
+  std::string object;  // object of the geometry file
   TextureMapping mapping;
   float anisotropy = 1.0f;
   bool has_mips = true;
   std::string output;  // the matrix's file
-  std::string key;     // of the asker's making, kept in the matrix's provenance
+  std::string key;     // set by the requester, stored in the matrix's provenance
 };
 
 struct ProbeRequest {
@@ -29,12 +29,13 @@ struct ProbeRequest {
   int supersampling = 1;
   std::string view;
   glm::dmat4 world_to_clip{1.0};
-  std::map<std::string, glm::dmat4> object_to_world;  // of objects that are not where the geometry file has them
+  // Places of objects that are not where the geometry file has them.
+  std::map<std::string, glm::dmat4> object_to_world;
   std::vector<ProbeTask> tasks;
 };
 
 void write_probe_request(const ProbeRequest& request, const std::string& path);
-/// Throws Error(kInput) naming the file and what is wrong.
+/// Throws Error(kInput) naming the file and its fault.
 ProbeRequest read_probe_request(const std::string& path);
 
 }  // namespace multum

@@ -80,7 +80,7 @@ void from_json(const nlohmann::json& json, TextureMapping& m) {
   m.degenerate_pixels = static_cast<std::size_t>(json_integer(json, "degeneratePixels", 0, INT64_MAX));
   if (m.width < 1 || m.height < 1 || m.width > kGpuSideMax || m.height > kGpuSideMax)
     throw Error(ErrorCode::kInput, "a texture mapping is of " + std::to_string(m.width) + " x " +
-                                       std::to_string(m.height) + " texels, expected 1 to 16384 a side");
+                                       std::to_string(m.height) + " texels, expected 1 to 16384 per side");
 }
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An affine map of an object's own texture coordinates onto the texture that was inferred for it (Hakura et al. 2000,
-// section 3.4): six values, and where a periodic direction was cut open.
+// An affine map of an object's own texture coordinates onto its inferred texture (Hakura et al. 2000, section 3.4): six
+// values, and the branch cuts of periodic directions.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@
 
 namespace multum {
 
-/// Largest side of pictures and textures that GPUs take.
+/// Largest side of pictures and textures that GPUs support.
 constexpr int kGpuSideMax = 16384;
 
-/// Coordinates across the texture (0..1, v upwards) = linear * (u', v') + offset, where u' = u, or in a direction with
-/// a branch cut u' = u - floor(u - cut), in [cut, cut + 1).
+/// Coordinates across the texture (0..1, v upwards) = linear * (u', v') + offset. Here u' = u; in a direction with a
+/// branch cut, u' = u - floor(u - cut), in [cut, cut + 1).
 struct TextureMapping {
   glm::dmat2 linear{1.0};
   glm::dvec2 offset{0.0};
@@ -28,22 +28,22 @@ struct TextureMapping {
   WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;
   int width = 1, height = 1;          // texels
   double stretch_max = 0.0;           // largest singular value of texels to pixels over all visible pixels
-  int stretch_rounds = 0;             // of scaling by it
-  std::size_t visible_pixels = 0;     // of all views together
-  std::size_t degenerate_pixels = 0;  // of them, those of triangles that are a line in the texture or seen edge-on
+  int stretch_rounds = 0;             // number of scalings for the stretch limit
+  std::size_t visible_pixels = 0;     // pixels in all views together
+  std::size_t degenerate_pixels = 0;  // visible pixels of triangles that are edge-on or a line in the texture
 };
 
-/// Whole periods that bring a triangle to its side of the cuts: where it straddles one, which no visible triangle does,
-/// its middle decides. `uvs` [vertices], `indices` three a triangle.
+/// Returns the whole periods that move a triangle to its side of the cuts. If a triangle crosses a cut, which no
+/// visible triangle does, its middle decides. `uvs` [vertices], `indices` three per triangle.
 glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
                      const TextureMapping& mapping);
 
-/// Texture coordinates of every triangle's corners under the mapping, three a triangle: a cut may give a vertex two.
+/// Returns the mapped texture coordinates of every triangle's corners, three per triangle: a cut may give a vertex two.
 std::vector<glm::vec2> mapped_corners(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices,
                                       const TextureMapping& mapping);
 
 void to_json(nlohmann::json& json, const TextureMapping& mapping);
-/// Throws nlohmann::json::exception for what is missing or of another type; Error(kInput) for values out of range.
+/// Throws nlohmann::json::exception for missing values and wrong types; Error(kInput) for values out of range.
 void from_json(const nlohmann::json& json, TextureMapping& mapping);
 
 }  // namespace multum

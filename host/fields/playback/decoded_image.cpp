@@ -13,9 +13,10 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kHalfBytes = 8;   // of an image, a texel: RGBA halves
-constexpr std::size_t kWorkBytes = 20;  // a texel while an image is decoded: three colours, a plane, lines of wavelets
-constexpr std::size_t kTextureWorkBytes = 32;  // of a texture: three colours, and three of all mip levels
+constexpr std::size_t kHalfBytes = 8;  // per texel of an image: RGBA halves
+// Per texel while an image is decoded: three colours, a plane, lines of wavelets.
+constexpr std::size_t kWorkBytes = 20;
+constexpr std::size_t kTextureWorkBytes = 32;  // per texel of a texture: three colours, and three of all mip levels
 
 std::size_t texels_of(const TextureChunkFormat& format) { return format.width * format.height; }
 
@@ -23,8 +24,8 @@ MULTUM_VECTOR_CLONES void round_to_halves(const float* values, std::size_t count
   for (std::size_t i = 0; i < count; ++i) halves[i] = clamped_to_half(values[i]);
 }
 
-/// Four halves a texel of three floats, the fourth left as it is. Rounded some hundred texels at a time, without the
-/// fourth, so that the loop becomes vector instructions.
+/// Writes four half floats per texel from three floats, and keeps the fourth. Some hundred texels are rounded at a
+/// time, without the fourth value, so that the loop becomes vector instructions.
 void write_halves(std::span<const float> colours, std::span<std::uint16_t> halves) {
   constexpr std::size_t kTexels = 256;
   std::array<std::uint16_t, 3 * kTexels> rounded;
@@ -59,8 +60,7 @@ std::size_t image_work_bytes(const TextureChunkFormat& format, DecodedKind kind)
   return (kind == DecodedKind::kTextures ? kTextureWorkBytes : kWorkBytes) * texels_of(format);
 }
 
-/// 24 bytes a vector, 16 a term, 64 an image. read_chunk_format() holds S L 2^D to 2^22, so no
-/// product overflows.
+/// 24 bytes per vector, 16 per term, 64 per image. read_chunk_format() limits S L 2^D to 2^22, so no product overflows.
 std::size_t plan_bytes_max(const TextureChunkFormat& format) {
   std::size_t samples = 1;
   for (const std::size_t size : format.sizes) samples *= size;
@@ -69,9 +69,8 @@ std::size_t plan_bytes_max(const TextureChunkFormat& format) {
   return 24 * samples + 16 * terms + 64 * samples * levels + samples * format.basis.size();
 }
 
-/// Cosines: a place for each block of each plane, both so many bytes a coded
-/// byte (at most 250 in files of field_demo1 at 60:1 to 800:1), wavelets two images at work, at eight bytes a texel of
-/// each plane.
+/// Cosines: a place for each block of each plane, plus this many bytes per coded byte (at most 250 in files of
+/// field_demo1 at 60:1 to 800:1). Wavelets: two images at work, at eight bytes per texel of each plane.
 std::size_t likely_coefficient_bytes(const TextureChunkFormat& format, std::size_t image_count,
                                      std::size_t coded_bytes) {
   const std::size_t blocks = (format.width / format.side + 1) * (format.height / format.side + 1);

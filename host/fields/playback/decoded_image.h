@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes what a field that is played needs of a chunk: an image that samples are sums of, the sum of a sample's, or a
-// whole texture, as halves to be uploaded; and the memory that each takes, known before it is decoded.
+// Decodes the parts of a chunk that playback needs, as half floats for upload: a single image, the sum of a sample's
+// images, or a whole texture. Also tells the memory of each part before it is decoded.
 #pragma once
 
 #include <cstddef>
@@ -11,34 +11,34 @@
 
 namespace multum {
 
-/// What is decoded of a chunk and kept.
+/// The parts of a chunk that are decoded and kept.
 enum class DecodedKind {
-  kImages,  // of which samples are the sum, shared by neighbouring samples
-  /// The same, and the sum of a sample's images at once, for the price of one, where two or more are missing now: after
-  /// a jump textures are whole sooner. Which images a frame is made of then depends on time, and so does their
+  kImages,  // single images; a sample is a sum of images, which neighbouring samples share
+  /// Also the sum of a sample's images in one step, at the cost of one image, if two or more images are missing now.
+  /// Textures are then complete sooner after a jump. The images of a frame then depend on time, and so does their
   /// rounding.
   kImagesAndSums,
-  kTextures,  // of single samples, whole: radiance with all mip levels. For points without shares of several samples
+  kTextures,  // whole textures of single samples: radiance with all mip levels. For points on a single sample
 };
 
 /// RGBA halves, [height][width][4], in the units of TextureChunk::image; or radiance, [texel][4] of all mip levels, the
-/// finest first. Alpha 0.
+/// finest first. Alpha is 0.
 struct DecodedImage {
-  std::size_t width = 0, height = 0;  // of the finest level
+  std::size_t width = 0, height = 0;  // size of the finest level
   std::vector<std::uint16_t> halves;
 };
 
-/// `number`: of an image; from the chunk's image count on, of a sample, its sum or texture.
+/// `number`: an image; from the chunk's image count on, a sample, whose sum or texture is decoded.
 DecodedImage decoded_image(const TextureChunk& chunk, std::size_t number, DecodedKind kind);
 
-/// Bytes of a decoded image, and of what decoding it takes besides.
+/// Returns the bytes of a decoded image, and the bytes needed while decoding it.
 std::size_t image_bytes(const TextureChunkFormat& format, DecodedKind kind);
 std::size_t image_work_bytes(const TextureChunkFormat& format, DecodedKind kind);
 
-/// Bytes of a head and its plan, at most.
+/// Returns the most bytes that a head and its plan take.
 std::size_t plan_bytes_max(const TextureChunkFormat& format);
 
-/// Bytes that a chunk's coefficients take as a rule.
+/// Returns the bytes that a chunk's coefficients usually take.
 std::size_t likely_coefficient_bytes(const TextureChunkFormat& format, std::size_t image_count,
                                      std::size_t coded_bytes);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMemoryLeast = std::size_t{1} << 20;
 
-/// Gives back what was taken, at the end of the block.
+/// Returns the taken bytes at the end of the block.
 class ScopedTake {
  public:
   ScopedTake(MemoryAccount& memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {}
@@ -37,13 +37,13 @@ void check_settings(const PlaybackSettings& settings) {
     refuse(fmt::format("a factor of lifetimes of {}, expected 1 to 64", settings.lifetime_factor));
 }
 
-/// The mapping is one for all of a block.
+/// All samples of a block share one mapping.
 FieldPlayback::ImageObject object_of_block(const FieldDescription& description, const PackedLayer& layer,
                                            std::size_t block) {
   const std::vector<int>& mappings = description.field.objects[layer.object].mapping_of_sample;
   for (const std::size_t sample : description.grid.samples_in(layer.blocks[block]))
     if (layer.is_seen(sample)) return {layer.object, static_cast<std::size_t>(mappings[sample])};
-  return {layer.object, 0};  // nobody asks for it
+  return {layer.object, 0};  // never requested
 }
 
 }  // namespace
@@ -87,8 +87,8 @@ void FieldPlayback::reserve(std::size_t bytes) {
   const Lock lock(mutex_);
   if (memory_.take(bytes)) return;
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("playback: drawing takes {} bytes, {} of {} are left: allow more memory", bytes,
-                          memory_.bytes_max() - memory_.bytes(), memory_.bytes_max()));
+              fmt::format("playback: drawing takes {} bytes, but only {} of {} bytes are left; allow more memory",
+                          bytes, memory_.bytes_max() - memory_.bytes(), memory_.bytes_max()));
 }
 
 // ---- what a point needs
@@ -111,7 +111,7 @@ std::vector<SampleShare> FieldPlayback::mixed(std::size_t layer, const std::vect
     const auto place = place_of(layer, share.sample);
     const bool is_usable = place && chunks_[place->chunk]->state != ChunkState::kDamaged &&
                            mappings[share.sample] == mappings[shares.front().sample];
-    if (!is_usable && same.empty()) return {};  // the nearest says whether there is anything
+    if (!is_usable && same.empty()) return {};  // the nearest sample decides whether the layer is drawn
     if (!is_usable) continue;
     same.push_back(share);
     sum += share.share;
@@ -130,7 +130,7 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
       static_cast<std::size_t>(description().field.objects[described.object].mapping_of_sample[shares.front().sample]);
   need.is_drawn = true;
   need.is_decoded = true;
-  std::map<std::pair<std::size_t, ImageKey>, float> weights;  // by place in the order of terms
+  std::map<std::pair<std::size_t, ImageKey>, float> weights;  // weights by place in the order of terms
   for (const SampleShare& share : shares) {
     const Place place = *place_of(layer, share.sample);
     const Chunk& chunk = *chunks_[place.chunk];
@@ -166,7 +166,7 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
   return need;
 }
 
-/// Decoded, perhaps uploaded.
+/// Returns true also if the image is already uploaded.
 bool FieldPlayback::has(ImageKey key) const {
   const auto found = images_.find(key);
   return found != images_.end() && found->second.state != ImageState::kAwaited;
@@ -182,7 +182,7 @@ const DecodedImage& FieldPlayback::decoded(ImageKey key) const {
   const Lock lock(mutex_);
   const Image& image = images_.at(key);
   MULTUM_CHECK(image.state == ImageState::kDecoded);
-  return image.decoded;  // nobody else touches it now
+  return image.decoded;  // no other thread uses it
 }
 
 void FieldPlayback::uploaded(ImageKey key) {
@@ -281,7 +281,8 @@ void FieldPlayback::drop_coefficients(Chunk& chunk) {
 }
 
 std::size_t FieldPlayback::chunk_work_bytes(const Chunk& chunk) const {
-  return file_.index().sections()[chunk.section].length + chunk.head_bytes + chunk.limit;  // it has a head of its own
+  return file_.index().sections()[chunk.section].length + chunk.head_bytes +
+         chunk.limit;  // decoding makes a second head
 }
 
 // ---- frames
@@ -297,7 +298,7 @@ void FieldPlayback::begin_frame(std::vector<SampleShare> now, std::vector<std::v
   forget_old();
 }
 
-/// Marks what is wanted: it is not forgotten for what is wanted later.
+/// Marks wanted images, so that they are not forgotten for later frames.
 void FieldPlayback::want(std::size_t distance, const std::vector<SampleShare>& shares) {
   for (std::size_t l = 0; l < chunk_of_.size(); ++l)
     for (const SampleShare& share : mixed(l, shares)) {
@@ -326,7 +327,7 @@ void FieldPlayback::cancel_unwanted() {
     if (chunk->state == ChunkState::kDecoding && chunk->rank.frame != frame_) chunk->cancelled = true;
 }
 
-/// Takes back what was asked for and not begun.
+/// Removes a request that no worker has begun.
 void FieldPlayback::unqueue(const Job& job) {
   Chunk& chunk = *chunks_[job.chunk];
   ++counts_.cancelled;

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a packed field while it is played (Hakura et al. 2000, section 5): which images of which chunks a point of
-// the parameter space needs, worker threads that decode them, nearest ahead and coarsest first, and a cache that
-// forgets an image a b^l frames after it was last used, l levels above those of single samples. What lies on any
-// adaptive pyramid or basis has no such level; an image that S samples are made of counts as level log4(S), which it is
-// in the paper's pyramid over two parameters. Nothing here draws: whoever does uploads images, and says so.
+// Decodes a packed field during playback (Hakura et al. 2000, section 5). Finds the images of chunks that a point of
+// the parameter space needs. Worker threads decode them, the nearest frames and the coarsest levels first. A cache
+// forgets an image a b^l frames after its last use; l is its level above the images of single samples. On an adaptive
+// pyramid or a basis an image has no such level, so an image that S samples share counts as level log4(S), as in the
+// paper's pyramid over two parameters. This class does not draw: the caller uploads images and reports each upload.
 //
-// Memory: everything is counted before it is allocated - coefficients, images, uploaded copies of them, what a worker
-// needs while it works, what the caller draws with - and never exceeds memory_max. Not counted: the description and the
-// index.
+// Memory is counted before it is allocated, and never exceeds memory_max: coefficients, images, their uploaded copies,
+// the workers' buffers, and the caller's memory for drawing. The description and the index are not counted.
 //
-// One thread calls all of this; workers are inside. In three files: what a point needs and what is there of it;
-// _forgetting, what is forgotten, and for what; _decoding, what is asked for and how workers decode it.
+// A single thread calls this class; the workers are internal. The code is in three files: this one finds needs and
+// state, _forgetting forgets images, and _decoding makes requests and runs the workers.
 #pragma once
 
 #include <array>
@@ -38,8 +37,8 @@ namespace multum {
 
 struct PlaybackSettings {
   std::size_t memory_max = std::size_t{256} << 20;  // bytes, at least 2^20
-  int threads = 0;                                  // that decode; 0: all cores
-  double lifetime = 20.0;        // a: frames that an image of a single sample is kept unused; 0 to 1e6
+  int threads = 0;                                  // decoding threads; 0: all cores
+  double lifetime = 20.0;        // a: frames that an unused image of a single sample is kept; 0 to 1e6
   double lifetime_factor = 4.0;  // b, 1 to 64
   DecodedKind kind = DecodedKind::kImages;
 };
@@ -49,13 +48,13 @@ struct NeededImage {
   float weight;
 };
 
-/// What the texture of a layer is the sum of, at a point; one texture of DecodedKind::kTextures.
+/// The images whose sum is a layer's texture at a point; with DecodedKind::kTextures, one texture.
 struct LayerNeed {
   bool is_drawn = false;            // the object has a texture of the layer there, and its chunk is undamaged
-  std::size_t mapping = 0;          // of the object: the texture's size
-  bool is_decoded = false;          // all coefficients are there: which images are zero is known
+  std::size_t mapping = 0;          // mapping of the object: the texture's size
+  bool is_decoded = false;          // all coefficients are decoded: the zero images are known
   std::array<float, 3> offset{};    // gamma-coded
-  std::vector<NeededImage> images;  // coarsest first; without those that are known to be zero
+  std::vector<NeededImage> images;  // coarsest first, without images known to be zero
 };
 
 enum class ImageState { kAbsent, kAwaited, kDecoded, kUploaded };
@@ -68,56 +67,59 @@ struct PlaybackCounts {
 
 class FieldPlayback {
  public:
-  /// `forget`: is called within calls of this when a decoded image is forgotten; an uploaded copy, also of a part, must
-  /// be gone when it returns, and it may not call this. Throws Error(kInput), Error(kUsage) for settings out of range.
+  /// Calls `forget` during other calls, when it forgets a decoded image. When `forget` returns, all uploaded copies of
+  /// the image, also partial ones, must be gone. `forget` must not call this object. Throws Error(kInput), and
+  /// Error(kUsage) for settings out of range.
   FieldPlayback(const std::string& path, const PlaybackSettings& settings, std::function<void(ImageKey)> forget);
-  /// Cancels what is being decoded.
+  /// Cancels running decodings.
   ~FieldPlayback();
   FieldPlayback(const FieldPlayback&) = delete;
   FieldPlayback& operator=(const FieldPlayback&) = delete;
 
   const FieldDescription& description() const { return file_.description(); }
 
-  /// Counts memory of the caller's for good. Throws Error(kEnvironment) when there is too little.
+  /// Counts memory of the caller permanently. Throws Error(kEnvironment) if there is too little.
   void reserve(std::size_t bytes);
 
-  /// The next frame is at `now`; later ones, the next first, will be at `ahead`. Forgets what has outlived its time,
-  /// cancels what nobody wants any more, and asks for what is missing.
+  /// Begins the next frame at `now`; later frames, in order, will be at `ahead`. Forgets expired images, cancels
+  /// unwanted decodings, and requests missing images.
   void begin_frame(std::vector<SampleShare> now, std::vector<std::vector<SampleShare>> ahead);
-  /// As if nothing had been decoded or asked for yet; waits for workers. Between frames.
+  /// Forgets all decoded images and requests. Waits for workers. Call it between frames.
   void forget_all();
-  /// Asks for what is still missing of the same frame, as far as memory goes: after wait(), and after uploads.
+  /// Requests the images still missing for the same frame, as far as memory allows. Call it after wait() and after
+  /// uploads.
   void request();
-  /// Until a worker has finished something; false at once when none works.
+  /// Waits until a worker has finished something. Returns false at once if no worker runs.
   bool wait();
 
-  /// What an image of a chunk is a texture of.
+  /// The object and mapping of a chunk's images.
   struct ImageObject {
     std::size_t object, mapping;
   };
   ImageObject object_of(ImageKey key) const { return objects_[key.chunk]; }
 
-  /// Of the frame's point. Mixed are the samples whose textures have the size of the nearest one's.
+  /// Returns the need at the frame's point. Mixes only samples whose textures have the size of the nearest sample's
+  /// texture.
   LayerNeed need(std::size_t layer) const;
   ImageState state(ImageKey key) const;
-  /// Of a state of kDecoded; stays until uploaded().
+  /// Returns an image of state kDecoded, which stays until uploaded().
   const DecodedImage& decoded(ImageKey key) const;
   void uploaded(ImageKey key);
-  /// Decoded images that the frames ahead want, the nearest first.
+  /// Returns decoded images that later frames need, the nearest first.
   std::vector<ImageKey> decoded_ahead() const;
 
   PlaybackCounts counts() const;
-  /// What is wrong with each chunk that is left out, so far.
+  /// Returns the faults of all chunks that have been left out so far.
   std::vector<std::string> damaged() const;
 
  private:
-  // A chunk may take so much of the memory for its coefficients, and as much for its head: several fit, and no file of
-  // a stranger's gets all.
+  // A chunk may use 1/kChunkShare of the memory for its coefficients, and as much for its head. Several chunks then
+  // fit, and one untrusted file cannot take all memory.
   static constexpr std::size_t kChunkShare = 4;
 
   struct Rank {
-    std::uint64_t frame = 0;   // at which it was last wanted
-    std::size_t distance = 0;  // how many frames ahead, 0 is now
+    std::uint64_t frame = 0;   // frame that last wanted it
+    std::size_t distance = 0;  // frames until it is wanted; 0: now
   };
   enum class ChunkState { kUnread, kRead, kQueued, kDecoding, kDecoded, kDamaged };
   struct Chunk {
@@ -125,32 +127,32 @@ class FieldPlayback {
     ChunkState state = ChunkState::kUnread;
     std::optional<TextureChunkFormat> format;
     std::optional<ImagePlan> plan;
-    std::vector<std::uint32_t> served;  // samples that each image is part of
-    std::vector<bool> zeros;            // of each image; empty: not known yet
+    std::vector<std::uint32_t> served;  // number of samples that each image serves
+    std::vector<bool> zeros;            // whether each image is zero; empty: not known yet
     std::array<float, 3> offset{};
     std::shared_ptr<const TextureChunk> decoded;
-    std::size_t head_bytes = 0, coefficient_bytes = 0;  // that are counted
-    std::size_t limit = 0;                              // of bytes for coefficients, for the next try
-    std::size_t images_at_work = 0;                     // asked for included
+    std::size_t head_bytes = 0, coefficient_bytes = 0;  // counted bytes
+    std::size_t limit = 0;                              // bytes for coefficients at the next try
+    std::size_t images_at_work = 0;                     // includes requested images
     std::atomic<bool> cancelled{false};
     Rank rank;
-    bool is_pending = false;  // the frame needs something now that is yet to be decoded from it
+    bool is_pending = false;  // the current frame needs images that are not yet decoded from it
 
     bool is_zero(std::size_t image) const { return !zeros.empty() && zeros[image]; }
   };
   struct Image {
     ImageState state = ImageState::kAwaited;
     DecodedImage decoded;
-    std::size_t bytes = 0, work_bytes = 0;  // that are counted: kept, and until it is decoded
+    std::size_t bytes = 0, work_bytes = 0;  // counted bytes: kept, and needed until it is decoded
     Rank rank;
   };
   struct Job {
     std::size_t chunk;
-    std::optional<std::size_t> image;  // none: the chunk's coefficients
-    std::size_t order = 0;             // among those for the same frame, as in Wanted
+    std::optional<std::size_t> image;  // unset: the chunk's coefficients
+    std::size_t order = 0;             // order among the jobs of a frame, as in Wanted
   };
   struct Wanted {
-    std::size_t order;  // 1: a sum or a texture; then terms from 2 on, the coarsest first. 0 are coefficients
+    std::size_t order;  // 0: coefficients; 1: a sum or a texture; from 2 on: terms, the coarsest first
     ImageKey key;
     auto operator<=>(const Wanted&) const = default;
   };
@@ -162,7 +164,7 @@ class FieldPlayback {
 
   bool is_textures() const { return settings_.kind == DecodedKind::kTextures; }
   bool has(ImageKey key) const;
-  /// Of the sum of a sample's images, or its texture.
+  /// Returns the key of the sum of a sample's images, or of its texture.
   ImageKey sum_of(const Place& place) const {
     return {place.chunk, chunks_[place.chunk]->served.size() + place.sample};
   }
@@ -195,12 +197,12 @@ class FieldPlayback {
   std::function<void(ImageKey)> forget_;
   std::mutex file_mutex_;
   PackedFieldFile file_;
-  std::vector<std::vector<std::optional<std::size_t>>> chunk_of_;  // [layer][block]; none: nothing is seen in it
+  std::vector<std::vector<std::optional<std::size_t>>> chunk_of_;  // [layer][block]; unset: nothing in it is visible
   std::vector<ImageObject> objects_;                               // of each chunk
   std::vector<SampleShare> now_;
   std::vector<std::vector<SampleShare>> ahead_;
 
-  mutable std::mutex mutex_;  // of all below
+  mutable std::mutex mutex_;  // guards all members below
   std::condition_variable has_job_, has_news_;
   std::vector<std::unique_ptr<Chunk>> chunks_;
   std::map<ImageKey, Image> images_;
@@ -210,7 +212,7 @@ class FieldPlayback {
   std::vector<std::string> damaged_;
   std::uint64_t frame_ = 0;
   std::size_t at_work_ = 0;
-  bool has_finished_ = false;  // something, since wait() last returned
+  bool has_finished_ = false;  // a worker has finished since wait() last returned
   bool is_ending_ = false;
   std::vector<std::thread> workers_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks for what a frame needs and is not there, coarse first, and decodes it in worker threads.
+// Requests the missing images of a frame, coarse first, and decodes them in worker threads.
 #include <algorithm>
 #include <utility>
 
@@ -23,8 +23,8 @@ void FieldPlayback::request() {
   if (!jobs_.empty()) has_job_.notify_all();
 }
 
-/// Coarse first: coefficients, then sums, then the first images of all layers, then the second ones. False where memory
-/// is too full for something.
+/// Requests coarse parts first: coefficients, sums, the first images of all layers, then the second images. Returns
+/// false if memory is too full for some part.
 bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& shares) {
   std::vector<Wanted> wanted;
   std::vector<std::size_t> chunks;
@@ -53,7 +53,7 @@ bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& sh
   return has_room;
 }
 
-/// Of a sample: what there is not even a request for. Returns how many images that are not there it is made of.
+/// Adds a sample's images that are not yet requested to `wanted`. Returns how many of its images are missing.
 std::size_t FieldPlayback::ask_terms(const Place& place, std::size_t distance, std::vector<Wanted>& wanted) const {
   const Chunk& chunk = *chunks_[place.chunk];
   const bool has_sum = images_.count(sum_of(place)) > 0;
@@ -154,7 +154,7 @@ void FieldPlayback::decode_chunk(Lock& lock, Chunk& chunk) {
     }
     decoded = file_.decode_chunk(chunk.section, bytes, limits);
     for (std::size_t i = 0; i < decoded->plan().image_count(); ++i) zeros.push_back(decoded->is_zero(i));
-  } catch (const std::exception& error) {  // also no memory
+  } catch (const std::exception& error) {  // also out of memory
     problem = error.what();
     decoded.reset();
   }

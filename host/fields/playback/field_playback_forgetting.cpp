@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forgets decoded images: those that have outlived their time, and those that must go for what is wanted sooner.
+// Forgets decoded images: expired ones, and images that must make room for more urgent ones.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -60,13 +60,13 @@ void FieldPlayback::forget_all() {
   }
 }
 
-/// Forgets until so many bytes fit: first what no frame in sight wants, the nearest to the end of its life first; for
-/// what is wanted now also what is wanted later, the latest first, and coefficients of which nothing is wanted now.
-/// False, and nothing is forgotten in vain but what nobody wants, where that is not enough.
+/// Forgets images until `bytes` fit. Images that no known frame wants go first, the nearest to expiry first. For
+/// `distance` 0 it also forgets images that later frames want, the latest first, and coefficients that the current
+/// frame does not need. Returns false and forgets nothing if all of these are not enough.
 bool FieldPlayback::make_room(std::size_t bytes, std::size_t distance) {
   struct Victim {
     bool is_wanted;
-    double life;  // what is left of it, in frames; of what is wanted minus how far ahead
+    double life;  // frames until expiry; if wanted: minus the number of frames ahead
     std::map<ImageKey, Image>::iterator image;
     Chunk* chunk;  // its coefficients; null: the image
     std::size_t bytes;

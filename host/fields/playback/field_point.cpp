@@ -19,7 +19,7 @@ std::size_t sample_of(const SampleGrid& grid, const std::vector<std::size_t>& at
   return grid.sample_at[grid.position_of(std::vector<int>(at.begin(), at.end()))];
 }
 
-/// A linear map as a rotation of columns of these lengths.
+/// A linear map as a rotation of columns with these lengths.
 struct TurnedSizes {
   glm::dquat turn{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 sizes{1.0};
@@ -37,7 +37,7 @@ std::optional<TurnedSizes> turned_sizes(const glm::dmat3& m) {
     parts.sizes.x = -parts.sizes.x;
     axes[0] = -axes[0];
   }
-  constexpr double kSquare = 1e-4;  // matrices in files are singles
+  constexpr double kSquare = 1e-4;  // matrices in files have single precision
   if (std::abs(glm::dot(axes[0], axes[1])) > kSquare || std::abs(glm::dot(axes[0], axes[2])) > kSquare ||
       std::abs(glm::dot(axes[1], axes[2])) > kSquare)
     return {};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A point of a field's parameter space between its samples: which samples it is made of, and where cameras and objects
-// are there.
+// Interpolates at a point of a field's parameter space: the shares of its samples, and the cameras and objects there.
 #pragma once
 
 #include <functional>
@@ -12,34 +11,34 @@
 
 namespace multum {
 
-/// A sample and how much of it there is; shares of a point sum to 1.
+/// A sample and its share; shares of a point sum to 1.
 struct SampleShare {
   std::size_t sample;
   float share;
 };
 
-/// By index along each parameter. Outside of the grid its nearest point counts.
+/// Returns indices along each parameter. A point outside the grid becomes the nearest point of the grid.
 std::vector<double> clamped_point(const SampleGrid& grid, std::vector<double> point);
 
-/// The sample nearest to a clamped point (of two as near the later).
+/// Returns the sample nearest to a clamped point; of two equally near samples, the later one.
 std::size_t nearest_sample(const SampleGrid& grid, const std::vector<double>& point);
 
-/// The nearest sample first, then all others between which the point lies, each by the product of what it is along each
-/// parameter (linear). Not `linear`: the nearest alone.
+/// Returns the nearest sample first, then all others around the point, each with the product of its linear shares along
+/// the parameters. Without `linear`: only the nearest sample.
 std::vector<SampleShare> sample_shares(const SampleGrid& grid, const std::vector<double>& point, bool linear);
 
-/// A rotation with sizes, and a position, on the way from one to the other at `share`, 0..1: the rotation by slerp,
-/// sizes and position linearly. Matrices that shear go linearly as a whole.
+/// Interpolates a rotation with sizes and a position at `share`, 0..1: the rotation by slerp, sizes and position
+/// linearly. Matrices with shear are interpolated linearly as a whole.
 glm::dmat4 place_between(const glm::dmat4& from, const glm::dmat4& to, double share);
 
-/// The same of a perspective camera, world to clip: where it is linearly, how it is turned by slerp, what its
-/// projection has linearly. Matrices that are no such camera go linearly as a whole.
+/// Interpolates a perspective camera, world to clip: its position linearly, its rotation by slerp, its projection
+/// linearly. Other matrices are interpolated linearly as a whole.
 glm::dmat4 camera_between(const glm::dmat4& from, const glm::dmat4& to, double share);
 
 using MatrixBetween = glm::dmat4 (*)(const glm::dmat4&, const glm::dmat4&, double);
 
-/// The matrix at a clamped point, of those of the samples around it, one parameter after another. At a sample it is
-/// that sample's, to the bit.
+/// Interpolates the matrices of the samples around a clamped point, one parameter after another. At a sample the result
+/// equals the sample's matrix bit by bit.
 glm::dmat4 matrix_at(const SampleGrid& grid, const std::vector<double>& point,
                      const std::function<glm::dmat4(std::size_t sample)>& of_sample, MatrixBetween between);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names an image of a packed field.
+// Identifies an image of a packed field.
 #pragma once
 
 #include <compare>
@@ -8,8 +8,9 @@
 namespace multum {
 
 struct ImageKey {
-  std::size_t chunk = 0;  // in the order of layers, then blocks
-  std::size_t image = 0;  // of the chunk's plan; behind its images stands, for each sample, the sum of the sample's
+  std::size_t chunk = 0;  // index in the order of layers, then blocks
+  // Index in the chunk's plan; numbers after its images mean, for each sample, the sum of its images.
+  std::size_t image = 0;
 
   auto operator<=>(const ImageKey&) const = default;
 };

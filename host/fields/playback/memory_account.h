@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts bytes against a limit: what would exceed it is refused before it is allocated. Not for two threads at once.
+// Counts bytes against a limit. Refuses excess bytes before they are allocated. Not for two threads at once.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ class MemoryAccount {
   explicit MemoryAccount(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
   bool has_room(std::size_t bytes) const { return bytes <= bytes_max_ - bytes_; }
-  /// Takes them, or nothing where they do not fit.
+  /// Takes the bytes, or nothing if they do not fit.
   bool take(std::size_t bytes) {
     if (!has_room(bytes)) return false;
     bytes_ += bytes;
@@ -27,7 +27,7 @@ class MemoryAccount {
   }
 
   std::size_t bytes() const { return bytes_; }
-  std::size_t most() const { return most_; }  // that there ever were
+  std::size_t most() const { return most_; }  // peak since the beginning
   std::size_t bytes_max() const { return bytes_max_; }
 
  private:

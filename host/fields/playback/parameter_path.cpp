@@ -15,8 +15,8 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kTextMax = 4096;  // letters: far more than anybody writes
-constexpr int kDepthMax = 64;           // of parentheses and signs, each a call of the parser in itself
+constexpr std::size_t kTextMax = 4096;  // characters; far more than people write
+constexpr int kDepthMax = 64;           // most nested parentheses and signs; each is a recursive call of the parser
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n'; }
 
@@ -34,7 +34,7 @@ class PathParser {
 
   void parse() {
     if (text_.size() > kTextMax)
-      throw Error(ErrorCode::kUsage, fmt::format("path: has {} letters, expected up to {}", text_.size(), kTextMax));
+      throw Error(ErrorCode::kUsage, fmt::format("path: has {} characters, expected up to {}", text_.size(), kTextMax));
     path_.values_.resize(path_.names_.size());
     do {
       auto& steps = path_.values_[parameter()];
@@ -55,7 +55,7 @@ class PathParser {
   [[noreturn]] void refuse(const std::string& expected) const {
     const std::string found = at_ < text_.size() ? fmt::format("'{}'", text_.substr(at_, 12)) : "the end";
     throw Error(ErrorCode::kUsage,
-                fmt::format("path '{}': found {} at letter {}, expected {}", text_, found, at_ + 1, expected));
+                fmt::format("path '{}': found {} at character {}, expected {}", text_, found, at_ + 1, expected));
   }
   void skip_spaces() {
     while (at_ < text_.size() && is_space(text_[at_])) ++at_;
@@ -71,7 +71,7 @@ class PathParser {
   }
   void add(Kind kind, double number = 0.0) { steps_->push_back({kind, number}); }
 
-  /// The number of the parameter whose name and '=' come next.
+  /// Reads a parameter's name and '=', and returns the parameter's number.
   std::size_t parameter() {
     skip_spaces();
     const std::size_t end = text_.find('=', at_);
@@ -115,7 +115,7 @@ class PathParser {
     }
   }
   void factor(int depth) {
-    if (depth > kDepthMax) refuse(fmt::format("at most {} parentheses and signs within one another", kDepthMax));
+    if (depth > kDepthMax) refuse(fmt::format("at most {} nested parentheses and signs", kDepthMax));
     if (takes("-")) {
       factor(depth + 1);
       return add(Kind::kNegate);
@@ -143,7 +143,7 @@ class PathParser {
   }
   static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-  /// Digits with at most one point, which is not the first of the two of a range.
+  /// Reads digits with at most one point. The point must not be the first of the two of a range.
   void number() {
     const std::size_t begin = at_;
     const auto digits = [&] {
@@ -176,7 +176,7 @@ ParameterPath::ParameterPath(const std::string& text, const std::vector<std::str
 std::vector<double> ParameterPath::at(const PathTime& time) const {
   std::vector<double> result;
   for (std::size_t p = 0; p < values_.size(); ++p) {
-    std::vector<double> stack = {0.0};  // below all: the value of no steps
+    std::vector<double> stack = {0.0};  // bottom of the stack: the value if there are no steps
     const auto pop = [&] {
       const double value = stack.back();
       stack.pop_back();

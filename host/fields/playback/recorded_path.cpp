@@ -17,8 +17,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kPositionsLeast = 2, kPositionsMost = 100000;  // as recorded_path.js has them
-constexpr std::int64_t kFileBytesMax = std::int64_t{64} << 20;       // of that many positions, indented
+constexpr std::size_t kPositionsLeast = 2, kPositionsMost = 100000;  // as in recorded_path.js
+constexpr std::int64_t kFileBytesMax = std::int64_t{64} << 20;       // room for this many positions, indented
 
 [[noreturn]] void refuse_path(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
@@ -37,15 +37,15 @@ std::vector<double> position_from(const json& list, std::size_t number, std::siz
 RecordedPath::RecordedPath(const std::string& text, const std::vector<std::string>& names) {
   if (holds_nul(text)) refuse_path("holds NUL in a text");
   const json file = json::parse(text, nullptr, false);
-  if (file.is_discarded()) refuse_path("is no JSON, expected a path that a player's page saved");
-  if (!file.is_object() || !file.contains("multumPath")) refuse_path("is no path, expected \"multumPath\": 1");
+  if (file.is_discarded()) refuse_path("is not JSON, expected a path that a player's page saved");
+  if (!file.is_object() || !file.contains("multumPath")) refuse_path("is not a path, expected \"multumPath\": 1");
   if (file["multumPath"] != 1)
     refuse_path(fmt::format("has \"multumPath\": {}, expected 1: it may be of a later program",
                             file["multumPath"].dump().substr(0, 40)));
   const json parameters = file.value("parameters", json());
   if (parameters != json(names))
-    refuse_path(fmt::format("is a path through {}, the field's parameters are {}", parameters.dump().substr(0, 200),
-                            json(names).dump()));
+    refuse_path(fmt::format("is a path through {}, expected the field's parameters {}",
+                            parameters.dump().substr(0, 200), json(names).dump()));
   const json positions = file.value("positions", json());
   if (!positions.is_array() || positions.size() < kPositionsLeast || positions.size() > kPositionsMost)
     refuse_path(fmt::format("has {} positions, expected {} to {}", positions.is_array() ? positions.size() : 0,
@@ -53,13 +53,13 @@ RecordedPath::RecordedPath(const std::string& text, const std::vector<std::strin
   for (const json& list : positions) {
     std::vector<double> position = position_from(list, times_.size(), names.size());
     if (!times_.empty() && position[0] < times_.back())
-      refuse_path(fmt::format("position {} is at {} s, after one at {} s: expected seconds that do not fall",
+      refuse_path(fmt::format("position {} is at {} s, after a position at {} s; expected seconds in ascending order",
                               times_.size(), position[0], times_.back()));
     times_.push_back(position[0]);
     position.erase(position.begin());
     positions_.push_back(std::move(position));
   }
-  if (!std::isfinite(seconds())) refuse_path("takes more seconds than there are numbers for");
+  if (!std::isfinite(seconds())) refuse_path("takes more seconds than a number can hold");
 }
 
 std::vector<double> RecordedPath::at(double seconds) const {

@@ -32,7 +32,7 @@ using nlohmann::ordered_json;
 constexpr const char* kGeometryName = "geometry.glb";
 constexpr const char* kWasmName = "packed_field.wasm";
 
-// Modules in the order of what they import. In one page they are one script, so no two may share a name at top level.
+// Modules in the order of their imports. In one page they are one script, so no two may share a top-level name.
 constexpr std::array kPageModules = {
     "error_text.js",    "next_frame.js",        "byte_source.js",        "checksum.js",
     "mpt_file.js",      "field_description.js", "matrices.js",           "glb.js",
@@ -40,7 +40,7 @@ constexpr std::array kPageModules = {
     "field_player.js",  "recorded_path.js",     "parameter_controls.js", "player.js"};
 constexpr std::array kWorkerModules = {"packed_field.js", "error_text.js", "chunk_head.js", "decoding_worker.js"};
 
-/// Of a file of the player; packed_field.mjs is a .js there, since not all servers know the other ending.
+/// Returns a file of the player. packed_field.mjs is named .js there, because not all servers know .mjs.
 std::string_view player_file(const std::string& name) {
   if (name == "packed_field.js") return player_module_files().at("packed_field.mjs");
   if (name == kWasmName) return player_module_files().at(name);
@@ -54,7 +54,7 @@ std::string file_bytes(const std::string& path) {
   return bytes;
 }
 
-/// The objects that the field draws, of the scene file that it names.
+/// Returns the objects that the field draws, from the scene file that it names.
 std::string geometry_of(const std::string& field, const PlayerOutput& output) {
   const PackedFieldFile file(field);
   const InferredManifest& manifest = file.description().field;
@@ -66,12 +66,12 @@ std::string geometry_of(const std::string& field, const PlayerOutput& output) {
   std::vector<ObjectMesh> objects = read_object_meshes(path, manifest.uv_set);
   std::erase_if(objects, [&](const ObjectMesh& object) { return drawn.count(object.name) == 0; });
   if (objects.size() != drawn.size())
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: has {} of the {} objects that the field draws", path, objects.size(), drawn.size()));
+    throw Error(ErrorCode::kInput, fmt::format("{}: has only {} of the {} objects that the field draws", path,
+                                               objects.size(), drawn.size()));
   return scene_glb(objects, manifest.uv_set);
 }
 
-/// Modules as one script.
+/// Joins modules into one script.
 template <std::size_t kCount>
 std::string joined(const std::array<const char*, kCount>& names) {
   std::string script;
@@ -131,14 +131,14 @@ void check_player_output(const PlayerOutput& output) {
   if (!output.is_asked_for()) return;
   if (player_module_files().count(kWasmName) == 0)
     throw Error(ErrorCode::kEnvironment,
-                "this multum was built without the decoder for browsers: its build found no compiler for WebAssembly. "
-                "On Debian: apt-get install clang lld wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32, and "
-                "build again");
+                "this multum was built without the decoder for browsers, because its build found no compiler for "
+                "WebAssembly. On Debian, run apt-get install clang lld wasi-libc libc++-14-dev-wasm32 "
+                "libclang-rt-14-dev-wasm32, and build again");
   if (!output.page.empty() && fs::path(output.page).extension() != ".html")
     throw Error(ErrorCode::kUsage, output.page + ": expected the name of a page, *.html");
   if (!output.page.empty()) check_writable(output.page);
   if (!output.folder.empty() && fs::exists(output.folder) && !fs::is_directory(output.folder))
-    throw Error(ErrorCode::kUsage, output.folder + ": is a file, expected a folder to write a player to");
+    throw Error(ErrorCode::kUsage, output.folder + ": is a file; expected a folder for the player");
 }
 
 void write_player(const std::string& field, const PlayerOutput& output) {
@@ -149,10 +149,9 @@ void write_player(const std::string& field, const PlayerOutput& output) {
   if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
   if (output.page.empty()) return;
   if (bytes.size() + geometry.size() > kPlayerPageBytesMax)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: the field and its geometry have {} bytes, a page takes {} at most; expected a "
-                            "folder for the player, in the place of a page",
-                            output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: the field and its geometry have {} bytes, but a page holds at most "
+                                               "{}; expected a folder for the player instead of a page",
+                                               output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
   write_text_file(output.page, one_page(name, title, bytes, geometry));
 }
 

@@ -35,7 +35,7 @@ class GlbScene {
   }
 
   void add(const ObjectMesh& object) {
-    // glTF's v grows downwards.
+    // v grows downwards in glTF.
     std::vector<glm::vec2> uvs;
     for (const glm::vec2& uv : object.uvs) uvs.emplace_back(uv.x, 1.0f - uv.y);
     glm::vec3 low = object.positions.front(), high = low;

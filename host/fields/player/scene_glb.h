@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the objects of a scene file as binary glTF: positions, one set of texture coordinates, names and places, and
-// nothing else of it.
+// Writes the objects of a scene file as binary glTF: only positions, one set of texture coordinates, names and places.
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace multum {
 
-/// A node and a mesh for each object; texture coordinates as TEXCOORD_`uv_set`.
+/// Writes a node and a mesh for each object; texture coordinates as TEXCOORD_`uv_set`.
 std::string scene_glb(const std::vector<ObjectMesh>& objects, int uv_set);
 
 }  // namespace multum

@@ -92,7 +92,7 @@ class HostileTest(unittest.TestCase):
                  (setting("bufferViews", 0, "byteOffset", to=2**64 - 8), "buffer view 0"),
                  (setting("bufferViews", 0, "byteOffset", to=-4), "buffer view 0"),
                  (setting("bufferViews", 0, "buffer", to=1), "buffer is 1"),
-                 (setting("buffers", 0, "byteLength", to=10**9), "buffer 0 says that it has 1000000000 bytes"),
+                 (setting("buffers", 0, "byteLength", to=10**9), "buffer 0 declares 1000000000 bytes"),
                  (setting("buffers", 0, "byteLength", to="x"), "buffer 0 has no byteLength"),
                  (setting("images", 0, to={}), "image 0"),
                  (setting("images", 0, "bufferView", to=99), "bufferView is 99"),
@@ -101,14 +101,14 @@ class HostileTest(unittest.TestCase):
                  (setting("textures", 0, "source", to=7), "source is 7"),
                  (setting("textures", 0, "sampler", to=7), "sampler is 7"),
                  (setting("samplers", 0, "wrapS", to=1), "'bricks'", "wrapS is 1"),
-                 (setting("materials", 0, "normalTexture", to=[]), "'bricks'", "normalTexture is no object"),
+                 (setting("materials", 0, "normalTexture", to=[]), "'bricks'", "normalTexture is not an object"),
                  (setting("materials", 0, "normalTexture", "index", to=5), "index is 5"),
                  (setting("materials", 0, "normalTexture", "index", to=0.5), "index is 0.5"),
                  (setting("materials", 0, "normalTexture", "texCoord", to="a"), "texCoord"),
                  (setting("materials", 0, "normalTexture", "scale", to=1e300), "'bricks'", "scale is 1e+300"),
                  (setting("materials", 0, "pbrMetallicRoughness", "roughnessFactor", to=1.5), "roughnessFactor is 1.5"),
-                 (setting("materials", 0, "pbrMetallicRoughness", to="x"), "pbrMetallicRoughness is no object"),
-                 (setting("materials", 0, "extensions", to=1), "extensions is no object"))
+                 (setting("materials", 0, "pbrMetallicRoughness", to="x"), "pbrMetallicRoughness is not an object"),
+                 (setting("materials", 0, "extensions", to=1), "extensions is not an object"))
         for change, *words in cases:
             with self.subTest(words=words):
                 self.assert_refused(self.changed(change), *words)

@@ -14,9 +14,10 @@
 namespace multum {
 namespace {
 
-constexpr double kViewAngles[] = {0.0, 17.5, 35.0, 52.5, 70.0};  // from the map's z, degrees
-constexpr double kWideLightAngle = 10.0;                         // half of what it is across, degrees
-constexpr double kWideShare = 0.25;                              // of point lights, drawn from the wide lobe
+constexpr double kViewAngles[] = {0.0, 17.5, 35.0, 52.5, 70.0};  // angle to the map's z axis, degrees
+constexpr double kWideLightAngle = 10.0;                         // half angle of a wide light, degrees
+// Share of point lights that are drawn from the wide lobe.
+constexpr double kWideShare = 0.25;
 
 struct Frame3 {
   explicit Frame3(const glm::dvec3& normal) : x(tangent_about(normal)), y(glm::cross(normal, x)), z(normal) {}
@@ -24,7 +25,7 @@ struct Frame3 {
   glm::dvec3 x, y, z;
 };
 
-// A direction of GGX's facets, of density D (n . h).
+// Draws a half vector with the density D (n . h) of GGX.
 glm::dvec3 random_half_vector(const glm::dvec3& normal, double alpha, SplitMix64& random) {
   const double u = 1.0 - random.uniform(), azimuth = 2.0 * std::numbers::pi * random.uniform();
   const double slope = alpha * std::sqrt(u / (1.0 - u));
@@ -36,7 +37,7 @@ double density_of(const glm::dvec3& normal, double alpha, const glm::dvec3& half
   return nh > 0.0 ? a2 / (std::numbers::pi * d * d) * nh : 0.0;
 }
 
-// As wide as facets and normals together, and half as much again.
+// Returns a lobe half as wide again as the facets and normals together.
 GgxLobe wide_lobe(const CoveredFacets& facets) {
   const double spread = 2.0 * (1.0 - glm::length(facets.mean_normal));
   return GgxLobe::isotropic(glm::normalize(facets.mean_normal),
@@ -56,12 +57,12 @@ std::vector<LightSet> empty_views(SplitMix64& random) {
   return views;
 }
 
-// Lights are above the surface: behind it they are in its own shadow, however its normal map tilts normals.
+// Only lights above the surface count. The surface itself hides lights below it, whatever the mapped normal is.
 bool is_lit(const glm::dvec3& view, const glm::dvec3& half, const glm::dvec3& light) {
   return light.z > 0.0 && glm::dot(view, half) > 1e-6;
 }
 
-// The mean highlights, and of the facets' densities D (n . h) the same.
+// Adds the mean highlights, and the mean facet densities D (n . h).
 void add_reference(const CoveredFacets& facets, const LightSet& lights, std::vector<double>& values,
                    std::vector<double>& densities) {
   values.assign(lights.size(), 0.0);
@@ -71,7 +72,7 @@ void add_reference(const CoveredFacets& facets, const LightSet& lights, std::vec
                    densities.data());
 }
 
-// Integral and noise, of terms that are independent.
+// Adds the integral and its noise. The terms are independent.
 void add_totals(ReferenceLights& lights, std::size_t points) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t v = 0; v < lights.views.size(); ++v)
@@ -135,12 +136,12 @@ ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, s
   const GgxLobe wide = wide_lobe(facets);
   const int wide_count = static_cast<int>(kWideShare * lights_per_view), narrow_count = lights_per_view - wide_count;
   for (LightSet& set : lights.views) {
-    double covered = 0.0;  // of the weights before texel `i`
+    double covered = 0.0;  // sum of the weights before texel `i`
     std::size_t i = 0;
     for (int k = 0; k < lights_per_view; ++k) {
       glm::dvec3 half;
       if (k < narrow_count) {
-        // Facets in turn, as many as their weights say.
+        // Facets are taken in turn; a texel gets as many samples as its weight says.
         const double place = (k + random.uniform()) / narrow_count;
         while (i + 1 < facets.weights.size() && covered + facets.weights[i] < place) covered += facets.weights[i++];
         half = random_half_vector(facets.normals[i], std::sqrt(facets.alpha_squared[i]), random);
@@ -179,7 +180,7 @@ ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, st
       if (!is_lit(set.view, half, light)) continue;
       const double density = density_of(wide.normal, wide.alpha_wide, half);
       const double share = 4.0 * glm::dot(set.view, half) / (density * lights_per_view) / double{kWideLightPoints};
-      // A spiral over the disc; points behind the surface give no light.
+      // Points form a spiral over the disc. Points behind the surface give no light.
       const Frame3 about(light);
       const double turn = random.uniform();
       for (std::size_t p = 0; p < kWideLightPoints; ++p) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference of one texel of a level: the mean highlight of all that it covers of the finest texels, each by its own
-// roughness, under lights that are drawn where the highlights are.
+// Computes the reference highlight of one texel of a level. The reference is the mean highlight of all finest texels
+// that the texel covers, each with its own roughness. Lights are drawn where the highlights are.
 #pragma once
 
 #include <cstdint>
@@ -14,50 +14,51 @@
 
 namespace multum {
 
-/// Length of finest texel [index, index + 1) within texel `texel` of a side of `to` texels; the finest has `from`.
+/// Returns the length of finest texel [index, index + 1) that lies within texel `texel` of a coarser side. The finest
+/// side has `from` texels and the coarser side has `to` texels.
 double covered_length(int index, int texel, int from, int to);
 
-/// Finest texels under a texel, and their means.
+/// The finest texels under a texel, and their means.
 struct CoveredFacets {
   std::vector<glm::dvec3> normals;    // unit
   std::vector<double> alpha_squared;  // >= kAlphaMin^2
-  std::vector<double> weights;        // areas; their sum is 1
+  std::vector<double> weights;        // area shares; their sum is 1
   glm::dvec3 mean_normal{0.0};
   double mean_roughness = 0.0;  // perceptual
   double mean_alpha_squared = 0.0;
 };
 
-/// Of texel (x, y) of a level `width` by `height`. `material`: null, or its first plane is alpha^2; else all have
-/// `alpha_squared`.
+/// Returns the facets under texel (x, y) of a level of `width` by `height` texels. The first plane of `material` is
+/// alpha^2; without `material` all texels have `alpha_squared`.
 CoveredFacets covered_facets(const PlaneStore& normals, const PlaneStore* material, double alpha_squared, int width,
                              int height, int x, int y);
 
-/// Lights of several views and the reference under them.
+/// Lights of several views, and the reference under these lights.
 struct ReferenceLights {
   std::vector<LightSet> views;
-  std::vector<std::vector<double>> values;  // mean highlights, view by view
-  double total = 0.0;                       // the integral of the reference over lights and views
-  double noise = 0.0;                       // its standard error, over itself
+  std::vector<std::vector<double>> values;  // mean highlights, one list per view
+  double total = 0.0;                       // integral of the reference over lights and views
+  double noise = 0.0;                       // standard error of `total`, relative to `total`
 };
 
-/// Point lights: three quarters drawn from the covered facets, by the distribution of visible half vectors, a quarter
-/// from a lobe wider than they are together. `seed`: lights of another seed are others.
+/// Draws point lights. Three quarters come from the covered facets, by the distribution of visible half vectors. One
+/// quarter comes from a lobe that is wider than all facets together. Different seeds give different lights.
 ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 
-/// Lights 20 degrees across, `points` of each one: neighbours in the list. Their shares are those of the whole light.
+/// Draws lights 20 degrees across. Each light is `points` neighbours in the list, whose shares are for the whole light.
 ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 constexpr std::size_t kWideLightPoints = 16;
 
-/// What a lobe's highlight differs from the reference.
+/// The difference between a lobe's highlight and the reference.
 struct LobeError {
-  double error = 0.0;   // relative L1: the integral of |lobe - reference| over that of the reference
-  double energy = 0.0;  // the integral of the lobe over that of the reference
+  double error = 0.0;   // relative L1 error: integral of |lobe - reference| over the integral of the reference
+  double energy = 0.0;  // integral of the lobe over the integral of the reference
 };
 
-/// Highlights of a view's lights, light by light.
+/// Computes the highlight of each light of a view.
 using HighlightsOf = std::function<void(const LightSet& lights, std::vector<double>& values)>;
 
-/// `points`: neighbours that make one light: 1, or kWideLightPoints.
+/// Returns the error of highlights. `points` neighbours make one light: 1, or kWideLightPoints.
 LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points = 1);
 LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points = 1);
 

@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-// Number `k` of `count` texels of a level, spread over it: the R2 sequence (Roberts 2018).
+// Texel number `k` of `count` texels that are spread over a level by the R2 sequence (Roberts 2018).
 struct Place {
   int x, y;
 };
@@ -55,13 +55,13 @@ nlohmann::ordered_json json_of(const std::vector<std::string>& ids, const std::v
   return json;
 }
 
-// An engine's lobe, isotropic, as its textures have it if they are stored as the export's are.
+// Rounds an engine's isotropic lobe as the export's textures would round it.
 GgxLobe stored(const GgxLobe& lobe, const std::optional<MaterialTexels>& texels) {
   if (!texels) return lobe;
   MaterialRows rows;
   rows.normals = {glm::vec3(lobe.normal)};
   rows.roughness = {static_cast<float>(std::sqrt(lobe.alpha_wide))};
-  // Blocks may hold texels that are alike better than 8 bits do, and worse where they differ.
+  // Blocks hold similar texels more exactly than 8 bits do, and differing texels less exactly.
   round_material(rows, *texels == MaterialTexels::kBlocks ? MaterialTexels::kRgba8 : *texels);
   return lobe_of_texel(rows, 0);
 }
@@ -112,8 +112,8 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   const double alpha = settings.base_roughness * settings.base_roughness;
   const CoveredFacets facets = covered_facets(inputs.fitted_normals(), inputs.has_roughness ? inputs.material : nullptr,
                                               alpha * alpha, cell.width, cell.height, cell.x, cell.y);
-  // The same lights whatever the export, so that exports of a map can be compared; those that a search may see are
-  // others than those that all are judged by.
+  // All exports use the same lights, so that exports of one map can be compared. A search sees other lights than the
+  // lights that judge all results.
   const std::uint64_t seed = split_mix(static_cast<std::uint64_t>(cell.level) << 40 |
                                        static_cast<std::uint64_t>(cell.y) << 20 | static_cast<std::uint64_t>(cell.x));
   const ReferenceLights points = point_lights(facets, settings_.lights_per_view, 2 * seed);
@@ -122,7 +122,7 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   std::vector<GgxLobe> lobes = {cell.lobe};
   for (const EngineRule& rule : engine_rules())
     lobes.push_back(stored(lobe_of_rule(rule, {facets.mean_normal, facets.mean_roughness}), settings_.texels));
-  // One lobe of GGX under point lights and wide ones.
+  // Measures one GGX lobe under point lights and wide lights.
   const auto of_lobe = [&](const GgxLobe& lobe) {
     return RuleError{error_of_lobe(points, lobe), error_of_lobe(wide, lobe, kWideLightPoints)};
   };

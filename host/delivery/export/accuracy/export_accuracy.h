@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error of an export, measured on sampled texels of some levels beside what engines' rules make of the same map and
-// the best one lobe that a search finds, and beside the lobes of a baked file: relative L1 error and energy of the
-// highlight, over views and lights (host/delivery/export/accuracy/cell_reference.h).
+// Measures the error of an export on sampled texels of some levels. The same texels are measured with the engines'
+// rules, with the best single lobe that a search finds, and with the lobes of a baked file. The measures are relative
+// L1 error and energy of the highlight, over views and lights (host/delivery/export/accuracy/cell_reference.h).
 #pragma once
 
 #include <cstdint>
@@ -19,60 +19,61 @@
 namespace multum {
 
 struct ExportAccuracySettings {
-  std::vector<int> levels = {2, 4, 6};  // those that the map has
-  int cells_per_level = 16;             // texels that are looked at
-  // The standard error of a map's and level's integral is then below 1 % in the median of docs/evidence/EXPORT.md's
-  // maps.
+  std::vector<int> levels = {2, 4, 6};  // levels that the map lacks are skipped
+  int cells_per_level = 16;             // measured texels per level
+  // The standard error of the integral per map and level is then below 1 % in the median of the maps in
+  // docs/evidence/EXPORT.md.
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
-  bool finds_optimum = false;  // searched for beside the others
-  // As which engines' textures are rounded too, so that no row has a precision that another lacks; nullopt: not at all.
+  bool finds_optimum = false;  // also search the best single lobe
+  // Rounds the engines' textures like these texels, so that no row has more precision than another. nullopt: no
+  // rounding.
   std::optional<MaterialTexels> texels;
 };
 
-/// Of one rule in one texel.
+/// The error of one rule in one texel.
 struct RuleError {
-  LobeError point, wide;  // under point lights, and lights 20 degrees across
+  LobeError point, wide;  // under point lights, and under lights 20 degrees across
 };
 
 struct CellAccuracy {
   int level, x, y;
-  double noise;                   // standard error of the reference's integral, over itself
+  double noise;                   // standard error of the reference's integral, relative to the integral
   std::vector<RuleError> errors;  // by rule
 };
 
-/// All of a level's cells together.
+/// All cells of a level together.
 struct LevelAccuracy {
   int level;
   double noise;
-  std::vector<RuleError> errors;  // by rule: means over cells, which count alike
+  std::vector<RuleError> errors;  // means over cells with equal weights, by rule
 };
 
 struct ExportAccuracy {
   int lights_per_view = 0;
-  std::vector<std::string> ids, names;  // of rules: the export first
+  std::vector<std::string> ids, names;  // ids and names of the rules; the export is first
   std::vector<CellAccuracy> cells;
   std::vector<LevelAccuracy> levels;
 
-  /// A table to print, a rule a line.
+  /// Prints a table with one rule per line.
   std::string to_text() const;
-  /// A JSON array of levels, and one of cells.
+  /// Returns a JSON array of levels, and one of cells.
   std::string to_json() const;
 };
 
-/// Sees the rows of an export as they are stored, then measures.
+/// Collects the stored rows of an export, then measures them.
 class ExportMeter : public MaterialSink {
  public:
-  /// `baked`: lobes to measure beside, of a file that has the levels; null: none. Must outlive it.
+  /// `baked`: a file that has the levels and whose lobes are also measured; null: none. It must outlive this object.
   ExportMeter(int width, int height, const ExportAccuracySettings& settings, BakedLobes* baked = nullptr);
   void add_level(int level, int first_row, MaterialRows rows) override;
-  /// After all rows. Progress: names its stage and cancels between cells; counts no units.
+  /// Measures after all rows have arrived. Progress: names its stage and cancels between cells; counts no units.
   ExportAccuracy run(const OneLobeInputs& inputs, const OneLobeSettings& settings, Progress* progress);
 
  private:
   struct Cell {
     int level, x, y;
-    int width, height;  // of the level
+    int width, height;  // size of the level
     GgxLobe lobe;       // as exported
     std::vector<glm::dvec4> baked;
   };
@@ -83,7 +84,7 @@ class ExportMeter : public MaterialSink {
   std::vector<Cell> cells_;
 };
 
-/// A texel of exported rows as a renderer has it.
+/// Returns a texel of exported rows as a renderer reads it.
 GgxLobe lobe_of_texel(const MaterialRows& rows, std::size_t i);
 
 }  // namespace multum

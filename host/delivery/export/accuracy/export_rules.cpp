@@ -11,8 +11,8 @@ namespace {
 
 double averaged(double, double roughness) { return roughness; }
 
-// V is the variance of the normals by Toksvig, less what 8 bits cost; Beckmann's exponent that matches alpha, lowered
-// by it. a2: alpha^2.
+// V is the Toksvig variance of the normals, less the error of 8-bit storage. V lowers the Beckmann exponent that
+// matches alpha. a2: alpha^2.
 double unreal(double length, double roughness) {
   const double a2 = std::pow(std::max(roughness, 1e-3), 4.0);
   if (a2 >= 1.0) return 1.0;
@@ -21,20 +21,20 @@ double unreal(double length, double roughness) {
   return std::pow(std::clamp((b - a2) / (b - 1.0), 0.0, 1.0), 0.25);
 }
 
-// TextureNormalVariance is 0.25 / kappa; NormalFiltering adds twice that, at most the threshold's square, 0.2 by
-// default.
+// TextureNormalVariance is 0.25 / kappa. NormalFiltering adds twice this variance, at most the squared threshold; the
+// default threshold is 0.2.
 double unity(double length, double roughness) {
   constexpr double kThreshold = 0.2;
   const double variance = 0.25 / kappa_of_length(length), alpha = roughness * roughness;
   return std::pow(std::min(1.0, alpha * alpha + std::min(2.0 * variance, kThreshold * kThreshold)), 0.25);
 }
 
-// On perceptual roughness, not alpha.
+// Acts on perceptual roughness, not on alpha.
 double godot(double length, double roughness) {
   return std::min(1.0, std::sqrt(roughness * roughness + std::min(0.75 / kappa_of_length(length), 0.4 * 0.4)));
 }
 
-// On what the file holds, which is perceptual roughness.
+// Acts on the stored value, which is perceptual roughness.
 double filament(double length, double roughness) {
   return std::min(1.0, std::sqrt(roughness * roughness + 2.0 / kappa_of_length(length)));
 }
@@ -43,8 +43,8 @@ double filament(double length, double roughness) {
 
 const std::vector<EngineRule>& engine_rules() {
   static const std::vector<EngineRule> rules = {
-      {"averaged", "averaged normals", "no rule: base roughness at every level", averaged},
-      {"unreal", "Unreal", "TextureCompressorModule.cpp, ApplyCompositeTexture; without its blur of normals", unreal},
+      {"averaged", "averaged normals", "without a rule: base roughness at every level", averaged},
+      {"unreal", "Unreal", "TextureCompressorModule.cpp, ApplyCompositeTexture; without the blur of normals", unreal},
       {"unity", "Unity HDRP", "CommonMaterial.hlsl, TextureNormalVariance and NormalFiltering", unity},
       {"godot", "Godot", "core/io/image.cpp, Image::generate_mipmap_roughness", godot},
       {"filament", "Filament", "tools/roughness-prefilter, literally", filament}};

@@ -12,7 +12,8 @@
 namespace multum {
 namespace {
 
-// Isotropic: slope of the normal's move x, y; log alpha. Anisotropic: then log of wide over narrow and the axis' angle.
+// Isotropic: x and y of the slope that moves the normal, and log alpha. Anisotropic: also log (wide / narrow) and the
+// angle of the axis.
 using Point = std::vector<double>;
 
 GgxLobe lobe_at(const GgxLobe& start, const Point& p, double alpha_min) {
@@ -33,7 +34,7 @@ struct Vertex {
   double value;
 };
 
-// Reflection 1, expansion 2, contraction and shrinking 1/2, as Nelder and Mead have them.
+// Reflection is 1, expansion 2, contraction and shrinking 1/2, as in Nelder and Mead.
 Point least_point(const std::function<double(const Point&)>& value, const Point& start, const Point& steps,
                   int evaluations) {
   const std::size_t n = start.size();
@@ -89,7 +90,7 @@ GgxLobe find_lobe_optimum(const ReferenceLights& lights, const GgxLobe& start, b
     const LobeError found = error_of_lobe(lights, lobe_at(start, p, alpha_min));
     return found.error + std::abs(found.energy - 1.0);
   };
-  // Begun again where it ended: a simplex that has become flat finds nothing more.
+  // The search restarts from its result, because a flat simplex finds no further improvement.
   const int evaluations = is_anisotropic ? 160 : 80;
   for (int round = 0; round < 2; ++round) point = least_point(value, point, steps, evaluations);
   return lobe_at(start, point, alpha_min);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The best that any one lobe can do under some lights, by search: what exports are measured by. An upper bound, since
-// a search may end early.
+// Searches for the best single lobe under given lights. Exports are compared with this lobe. Its error is an upper
+// bound of the least error, since a search may end early.
 #pragma once
 
 #include "host/delivery/export/accuracy/cell_reference.h"
 
 namespace multum {
 
-/// The lobe of least relative L1 error plus |energy - 1| found from `start`, by the simplex method of Nelder and Mead
-/// (1965). `alpha_min`: least alpha of the result.
+/// Returns the lobe with the least relative L1 error plus |energy - 1| that the simplex method finds from `start`
+/// (Nelder and Mead 1965). `alpha_min`: smallest alpha of the result.
 GgxLobe find_lobe_optimum(const ReferenceLights& lights, const GgxLobe& start, bool is_anisotropic, double alpha_min);
 
 }  // namespace multum

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Added to what is divided by, so that 0 / 0 is 0.
+// Added to divisors, so that 0 / 0 is 0.
 constexpr double kNotZero = 1e-300;
 
 struct Planes {

@@ -18,18 +18,19 @@
 namespace multum {
 namespace {
 
-// Places of a level, views of a place and lights of a view. Two sets of them differ by a twentieth of the error.
+// Places per level, views per place and lights per view. Results of two such sets differ by a twentieth of the error.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
-constexpr double kViewAngleMax = 70.0;  // from the map's z, degrees
-constexpr double kAlbedo = 0.5;         // of what is not metal
-// Light from all around, of unit lights: as much of it is scattered as of them. A picture has both.
+constexpr double kViewAngleMax = 70.0;  // angle to the map's z axis, degrees
+constexpr double kAlbedo = 0.5;         // albedo where the surface is not metal
+// Ambient light relative to unit lights: it scatters as much as they do. Real pictures have both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
-// Relative L1 error that a picture has with exact textures, of edges and sampling: in docs/evidence/GLTF_EXAMPLE.md 1
-// to 2 % where level 0 is seen, and in the median 9, 14 and 20 % from 5, 25 and 50 m, at about levels 3, 5 and 6.
+// Relative L1 error of a picture with exact textures, from edges and sampling. In docs/evidence/GLTF_EXAMPLE.md the
+// error is 1 to 2 % where level 0 is visible. The medians from 5, 25 and 50 m, at about levels 3, 5 and 6, are 9, 14
+// and 20 %.
 constexpr double kFinestPictureError = 0.012, kPictureErrorPerLevel = 0.03;
-constexpr double kDielectric = 0.04, kMetal = 0.9;  // reflected at normal incidence
+constexpr double kDielectric = 0.04, kMetal = 0.9;  // reflectance at normal incidence
 
-// What a sampler gives at a place.
+// The values that a sampler returns at a place.
 struct SampledSurface {
   glm::dvec3 normal{0.0, 0.0, 1.0};  // unit
   double alpha = 1.0, metalness = 0.0;
@@ -37,7 +38,7 @@ struct SampledSurface {
 
 double diffuse_share(double metalness) { return (1.0 - metalness) * kAlbedo / std::numbers::pi; }
 
-// Schlick's.
+// Schlick's approximation.
 double fresnel(double metalness, double view_half) {
   const double f0 = kDielectric + (kMetal - kDielectric) * metalness;
   return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(view_half, 0.0, 1.0), 5.0);
@@ -48,8 +49,8 @@ glm::dvec3 square_to(const glm::dvec3& n, double a, double b) {
   return glm::normalize(a * x + b * glm::cross(n, x) + n);
 }
 
-// Directions of lights: half as highlights of the surface, half from everywhere; with what each counts in an integral
-// over all directions.
+// Draws directions of lights, half of them from the surface's highlights and half from all directions. Each light gets
+// its weight in an integral over all directions.
 LightSet lights_of(const SampledSurface& surface, const glm::dvec3& view, SplitMix64& random) {
   LightSet set;
   set.view = view;
@@ -81,13 +82,13 @@ glm::dvec3 random_view(SplitMix64& random) {
   return {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
 }
 
-// The light that a surface reflects, of unit lights: highlights are D V (n . l), without Fresnel's share.
+// The light that a surface reflects from unit lights. Highlights are D V (n . l), without the Fresnel factor.
 struct Reflection {
   double metalness = 0.0;
-  glm::dvec3 diffuse_normal{0.0, 0.0, 1.0};  // any length to 1
+  glm::dvec3 diffuse_normal{0.0, 0.0, 1.0};  // length 0 to 1
   std::vector<double> highlights;
 
-  // Of light `i` and of what comes from all around, most of it from above.
+  // Returns the reflection of light `i` plus the ambient light, most of which comes from above.
   double light(const LightSet& set, std::size_t i) const {
     const glm::dvec3 l(set.x[i], set.y[i], set.z[i]), h(set.hx[i], set.hy[i], set.hz[i]);
     const double view_cosine = glm::dot(diffuse_normal, set.view);
@@ -105,7 +106,7 @@ Reflection reflection_of(const SampledSurface& surface, const LightSet& set) {
   return made;
 }
 
-// Sums of differences and of what they are differences to.
+// Sums of differences, and sums of the values that the differences are relative to.
 struct DifferenceSum {
   double difference = 0.0, total = 0.0;
 
@@ -116,7 +117,7 @@ struct DifferenceSum {
       total += set.share[i] * value;
     }
   }
-  // Added to the error that a picture of this level has anyway, of which storage's is independent.
+  // Returns how much storage raises a picture's error at this level. Both errors are independent.
   double added(int level) const {
     const double own = total > 0.0 ? difference / total : 0.0;
     const double picture = kFinestPictureError + kPictureErrorPerLevel * level;
@@ -124,13 +125,13 @@ struct DifferenceSum {
   }
 };
 
-// Where a sampler looks in a level: four texels and what each counts.
+// The four texels that a sampler reads in a level, and their weights.
 struct Footprint {
   int rows[2], columns[2];
   double weights[4];
 };
 
-// At (x, y), 0 to 1 over the level. Maps go on beyond their borders as they begin.
+// Returns the footprint at (x, y), 0 to 1 over the level. Maps repeat beyond their borders.
 Footprint footprint(int width, int height, double x, double y) {
   const double across = x * width - 0.5, down = y * height - 0.5, part_x = across - std::floor(across);
   const double part_y = down - std::floor(down);
@@ -141,7 +142,7 @@ Footprint footprint(int width, int height, double x, double y) {
           {(1.0 - part_x) * (1.0 - part_y), part_x * (1.0 - part_y), (1.0 - part_x) * part_y, part_x * part_y}};
 }
 
-// A level of a material as it is sampled; rows that were read last are kept.
+// Samples one level of a material. The rows that were read last stay in memory.
 class SampledLevel {
  public:
   SampledLevel(const MaterialLevels& levels, int level)
@@ -150,7 +151,7 @@ class SampledLevel {
         width_(mip_level_size(levels.normal->width(), level)),
         height_(mip_level_size(levels.normal->height(), level)) {}
 
-  /// Normal as it is filtered, and roughness, metalness behind it.
+  /// Returns the filtered normal, then roughness and metalness.
   std::array<double, 5> at(double x, double y) {
     const Footprint place = footprint(width_, height_, x, y);
     if (place.rows[0] != row_) read(place);
@@ -184,7 +185,7 @@ class SampledLevel {
   std::vector<std::uint8_t> normal_, surface_;
 };
 
-// Between two levels, as far from one as from the other.
+// Samples midway between two levels.
 class SampledMaterial {
  public:
   SampledMaterial(const MaterialLevels& levels, int level)
@@ -202,7 +203,7 @@ class SampledMaterial {
   SampledLevel finer_, coarser_;
 };
 
-// Looks at places (x, y), 0 to 1: rows spread over the map, places over a row.
+// Calls `look` at places (x, y), 0 to 1. Rows are spread over the map and places over each row.
 template <typename Look>
 void each_place(SplitMix64& random, const Look& look) {
   for (int row = 0; row < kRows; ++row) {
@@ -225,7 +226,7 @@ double level_error(const MaterialLevels& exact, const MaterialLevels& stored, in
   return sum.added(level);
 }
 
-// Lobes at a place between two levels, their amplitudes brought to a sum of 1.
+// Returns the lobes at a place between two levels. Amplitudes are scaled to a sum of 1.
 std::vector<glm::dvec4> lobes_at(const LobeLevel& finer, const LobeLevel& coarser, double x, double y) {
   std::vector<glm::dvec4> lobes(finer.lobes->size(), glm::dvec4(0.0));
   double sum = 0.0;
@@ -285,7 +286,7 @@ StorageError lobe_storage_error(const std::vector<LobeLevel>& exact, const std::
       for (const glm::dvec4& lobe : right) mean += lobe;
       const double length = glm::length(glm::dvec3(mean));
       if (!(length > 1e-6)) return;
-      // Lights as highlights of all lobes together.
+      // Draws lights from the highlights of all lobes together.
       const double alpha = std::sqrt(std::pow(surface.roughness, 4.0) + 2.0 * std::max(1.0 - length, 0.0));
       const SampledSurface together{glm::dvec3(mean) / length, std::clamp(alpha, kAlphaMin, 1.0), surface.metalness};
       for (int v = 0; v < kViews; ++v) {
@@ -293,7 +294,7 @@ StorageError lobe_storage_error(const std::vector<LobeLevel>& exact, const std::
         sum.add(set, reflection_of(right, surface, set), reflection_of(kept, surface, set));
       }
     });
-    worst.take(sum.added(static_cast<int>(l) + 1), static_cast<int>(l));  // level 0 is the normal map's
+    worst.take(sum.added(static_cast<int>(l) + 1), static_cast<int>(l));  // level 0 is in the normal map
   }
   return worst;
 }

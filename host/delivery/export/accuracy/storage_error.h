@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what a format of texels adds to a picture's error: shades a material's levels as they are stored and as they
-// should be, at many places, filtered as a sampler does between two levels, under a light and what comes from all
-// around, from many views.
-// The material is metal where its texture says so, else half of the light that falls on it is scattered: an error of a
-// normal shows most in metals, and in smooth ones.
+// Measures how much a texel format adds to a picture's error. Shades a material's levels once as they are stored and
+// once exactly, at many places and from many views, under a light and ambient light. Samples midway between two levels,
+// as a trilinear sampler does. The material is metal where its texture says so; elsewhere half of the incoming light is
+// scattered. Errors of normals are most visible in metals and in smooth materials.
 #pragma once
 
 #include <functional>
@@ -15,16 +14,16 @@
 
 namespace multum {
 
-/// Textures as `multum gltf` has them. Their levels have the same sizes.
+/// The textures of `multum gltf`. All have the same level sizes.
 struct MaterialLevels {
   const LevelFile* normal = nullptr;   // xyz as 0 to 255
-  const LevelFile* surface = nullptr;  // green roughness, blue metalness; null: those below everywhere
+  const LevelFile* surface = nullptr;  // green: roughness, blue: metalness; null: the constants below
   double roughness = 1.0;              // perceptual
   double metalness = 1.0;
 };
 
 struct StorageError {
-  double error = 0.0;  // added to the relative L1 error of a picture, of the level where it is largest
+  double error = 0.0;  // increase of a picture's relative L1 error at the worst level
   int level = 0;
 
   void take(double other, int its_level) {
@@ -32,25 +31,26 @@ struct StorageError {
   }
 };
 
-/// Of `stored` against `exact`, the same material. Throws Error(kEnvironment) when a file cannot be read.
+/// Compares `stored` with `exact`, levels of the same material. Throws Error(kEnvironment) if a file cannot be read.
 StorageError storage_error(const MaterialLevels& exact, const MaterialLevels& stored);
 
-/// The surface under lobes, the same everywhere.
+/// The surface under lobes, equal everywhere.
 struct LobeSurface {
   double roughness = 1.0;  // perceptual
   double metalness = 1.0;
 };
 
-/// The means of a material's finest level.
+/// Returns the means of a material's finest level.
 LobeSurface mean_surface(const MaterialLevels& levels);
 
-/// Lobes of a level, [lobe][y * width + x] = (a r, a).
+/// The lobes of a level, [lobe][y * width + x] = (a r, a).
 struct LobeLevel {
   int width = 0, height = 0;
   const std::vector<std::vector<glm::vec4>>* lobes = nullptr;
 };
 
-/// The same of lobes, level after level from the finest that is stored. Renderers divide by the sum of amplitudes.
+/// Compares stored lobes with exact lobes, level by level from the finest stored level. Renderers divide by the sum of
+/// amplitudes.
 StorageError lobe_storage_error(const std::vector<LobeLevel>& exact, const std::vector<LobeLevel>& stored,
                                 const LobeSurface& surface);
 

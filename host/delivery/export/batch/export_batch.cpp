@@ -14,7 +14,8 @@
 namespace multum {
 namespace {
 
-// Of a map in a folder of several: files that begin with its name, or a folder for images a level.
+// Returns the output name of a map in a folder of several maps: files that begin with its name, or a folder if each
+// level is an image.
 std::string output_suffix(const ExportJob& job) {
   if (job.format == MaterialFormat::kKtx2) return ".ktx2";
   return job.format == MaterialFormat::kDds ? ".dds" : "";

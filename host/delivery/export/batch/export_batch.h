@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the jobs of exports: from parameters, from several maps or sets (host/foundation/base/files/udim_set.h), from a
+// Makes export jobs from parameters, from several maps or sets (host/foundation/base/files/udim_set.h), or from a
 // manifest.
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace multum {
 
-/// What was given of export_parameters() replaces what the job has.
+/// Replaces the job's values by the given values of export_parameters().
 void apply(const ParameterValues& values, ExportJob& job);
 
-/// One job a map; each is `pattern` with its own paths. Where there is one map and no `<UDIM>`, that is `pattern` with
-/// its input. Else pattern.output, and pattern.report if there is one, is a folder that exists, where files are named
-/// after the maps (NAME_normal.ktx2; of images a level a folder NAME), or holds `<UDIM>`; in the names of the maps
-/// beside it `<UDIM>` is the map's tile. Throws Error(kUsage) for names that do not fit together or that two maps would
-/// share, Error(kInput) when a set has no tile.
+/// Makes one job per map. Each job is `pattern` with its own paths. A single map without `<UDIM>` keeps the pattern's
+/// output and report names. Otherwise pattern.output, and pattern.report if it is set, must be an existing folder or
+/// contain `<UDIM>`. Files in a folder are named after the maps: NAME_normal.ktx2, or a folder NAME if each level is an
+/// image. In the names of the other maps `<UDIM>` is the map's tile. Throws Error(kUsage) if names do not fit together
+/// or two maps would share one, Error(kInput) if a set has no tile.
 std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vector<std::string>& inputs);
 
 }  // namespace multum

@@ -35,18 +35,19 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// What make_export_jobs() would refuse, with the line.
+// Refuses the names that make_export_jobs() would refuse, and names the line.
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
-    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
+    table.refuse("input",
+                 fmt::format("is \"{}\", expected <UDIM> in the file's name instead of a folder's name", job.input));
   if (is_set != has_udim(job.output))
-    table.refuse("output", fmt::format("is \"{}\", but the input is {}: expected a name {} <UDIM>", job.output,
+    table.refuse("output", fmt::format("is \"{}\" although the input is {}; expected a name {} <UDIM>", job.output,
                                        is_set ? "a set" : "one map", is_set ? "with" : "without"));
   for (const std::string ExportJob::*beside : kExportMapsBeside)
     if (!is_set && has_udim(job.*beside))
       table.refuse(
-          "", fmt::format("names \"{}\", but the input is not a set: expected a name without <UDIM>", job.*beside));
+          "", fmt::format("names \"{}\" although the input is not a set; expected a name without <UDIM>", job.*beside));
 }
 
 struct ManifestEntry {
@@ -70,7 +71,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   } catch (const Error& error) {
     entry.table.refuse("output", std::string("is ") + error.what());
   }
-  // A set without any tile is one map still, whose input nobody will find.
+  // A set without tiles counts as one map; reading this map fails later.
   const bool is_one = !has_udim(job.input) || find_tiles(job.input).empty();
   for (ExportJob& one : is_one ? std::vector<ExportJob>{job} : make_export_jobs(job, {job.input})) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();
@@ -80,13 +81,15 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
 }
 
 void check_places_differ(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> records;  // that of an export -> its map
+  std::map<std::string, std::string> records;  // record of an export -> its map
   for (const ManifestEntry& entry : entries)
     for (const ManifestExport& map : entry.maps) {
       const auto [other, is_new] = records.emplace(canonical_name(export_record_file(map.job)), map.job.input);
       if (!is_new)
-        entry.table.refuse("output", fmt::format("is \"{}\", where {} goes already: expected a place of its own",
-                                                 map.name, other->second));
+        entry.table.refuse(
+            "output",
+            fmt::format("is \"{}\", which is already the output of {}; expected a different output for each map",
+                        map.name, other->second));
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of a project's maps and how each is exported, which a build pipeline keeps in place: what has changed is
-// exported again, all else is left alone (docs/reference/manifests.md).
+// Reads and runs an export manifest: a list of a project's maps with their export settings. Build pipelines keep the
+// manifest next to the maps. A run exports only what has changed (docs/reference/manifests.md).
 #pragma once
 
 #include <string>
@@ -13,21 +13,20 @@
 namespace multum {
 
 struct ManifestExport {
-  std::string name;  // the output as the manifest names it, with its tile where it is one of a set
+  std::string name;  // output name in the manifest, with the tile if the map is part of a set
   ExportJob job;
 };
 
-/// Reads and validates a manifest; each map's job is `pattern` with what the manifest says. A set is as many maps as it
-/// has tiles. No other file is looked at. Throws Error(kInput) that names the file, the line, what was found and what
-/// was expected.
+/// Reads and validates a manifest. Each map's job is `pattern` with the manifest's settings. A set gives one map per
+/// tile. Opens no other file. Throws Error(kInput) with the file, the line, what was found and what was expected.
 std::vector<ManifestExport> read_export_manifest(const std::string& path, const ExportJob& pattern);
 
 struct ManifestExportResult {
   ExportState found;                   // before
-  std::optional<ExportReport> report;  // set: exported in this run
+  std::optional<ExportReport> report;  // set if this run exported the map
 };
 
-/// Exports what is not in place, or whatever its job says is forced, and records it. `is_dry`: only looks. Throws
+/// Exports a map that is not in place, or whose job forces it, and writes its record. `is_dry`: only checks. Throws
 /// Error, Cancelled.
 ManifestExportResult run_manifest_export(const ManifestExport& map, bool is_dry, Device& device, Progress* progress);
 

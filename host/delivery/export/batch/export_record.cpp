@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Null: there is none that can be read.
+// Returns null if no record can be read.
 Json read_record(const std::string& path) {
   const Json record = Json::parse(json_of_file(path).value_or(""), nullptr, false);
   const bool has_tiles_text = record.is_object() && (!record.contains("tiles") || record["tiles"].is_string());
@@ -29,7 +29,7 @@ Json read_record(const std::string& path) {
                                                                                                              : Json();
 }
 
-// Names in a record are those of its own folder, and no way out of it.
+// Accepts only names in the record's own folder, so that no path leaves it.
 bool is_plain_name(const std::string& name) { return !name.empty() && fs::path(name).filename() == name; }
 
 }  // namespace
@@ -42,28 +42,28 @@ std::string export_record_file(const ExportJob& job) {
 ExportState find_export_state(const ExportJob& job) {
   const std::string path = export_record_file(job);
   const Json record = read_record(path);
-  if (record.is_null()) return {ExportFinding::kMissing, "there is no record of it"};
+  if (record.is_null()) return {ExportFinding::kMissing, "there is no record of this export"};
   const std::string folder = fs::path(path).parent_path().string();
   const Json key = export_key(job);
   if (record["key"] != key) {
     for (const auto& [part, value] : key.items())
       if (!record["key"].is_object() || !record["key"].contains(part) || record["key"][part] != value)
         return {ExportFinding::kStale, fmt::format("made with other {}", part)};
-    return {ExportFinding::kStale, "made otherwise"};
+    return {ExportFinding::kStale, "made with other settings"};
   }
   const NormalMapSettings& reading = job.reading;
   if (const std::string tiles = record.value("tiles", "");
       !tiles.empty() && reading.tiles != nullptr &&
       !tiles_are_unchanged(tiles, *reading.tiles, reading.tile, reading.fix_nan))
-    return {ExportFinding::kStale, "other tiles of its set have changed, which its borders or its green are of"};
+    return {ExportFinding::kStale, "other tiles of its set have changed, which affect its borders or its green axis"};
   for (const auto& [text, hash] : record["files"].items()) {
     const std::string name = path_of_text(text);
-    if (!is_plain_name(name)) return {ExportFinding::kStale, fmt::format("{}: names files elsewhere", path)};
+    if (!is_plain_name(name)) return {ExportFinding::kStale, fmt::format("{}: names files in other folders", path)};
     const std::string file = folder + "/" + name;
     std::error_code none;
     if (!fs::exists(file, none)) return {ExportFinding::kMissing, fmt::format("there is no {}", name)};
     if (!fs::is_regular_file(file, none) || hash != Json(hash_file(file)))
-      return {ExportFinding::kDamaged, fmt::format("{} is not what was written", name)};
+      return {ExportFinding::kDamaged, fmt::format("{} differs from the written file", name)};
   }
   return {ExportFinding::kInPlace, ""};
 }

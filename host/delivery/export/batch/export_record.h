@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Remembers what the files of an export were made of, in a file beside them, so that a run over a manifest makes anew
-// what has changed alone. Times of files say nothing: a fresh checkout has new ones.
+// Records the inputs of an export in a hidden file next to its outputs. A manifest run then exports only what has
+// changed. File times are not used: a fresh checkout has new times.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ namespace multum {
 
 enum class ExportFinding {
   kInPlace,  // made of these files with these settings by this program, and every byte is as it was written
-  kMissing,  // no record, or a file is not there
-  kStale,    // made of something else, otherwise, or by another program
-  kDamaged,  // a file is not what was written
+  kMissing,  // no record, or a file is missing
+  kStale,    // made of other files, with other settings or by another program
+  kDamaged,  // a file differs from the file that was written
 };
 
 struct ExportState {
@@ -22,13 +22,13 @@ struct ExportState {
   std::string why;
 };
 
-/// The hidden file that has the record: FOLDER/.multum-export, or .NAME.multum-export beside NAME_normal.ktx2.
+/// Returns the hidden record file: FOLDER/.multum-export, or .NAME.multum-export next to NAME_normal.ktx2.
 std::string export_record_file(const ExportJob& job);
 
-/// Throws Error(kInput) when there is a record, and a file that the job reads cannot be read.
+/// Throws Error(kInput) if a record exists and a file that the job reads cannot be read.
 ExportState find_export_state(const ExportJob& job);
 
-/// After an export. Throws Error(kInput, kEnvironment).
+/// Writes the record after an export. Throws Error(kInput, kEnvironment).
 void write_export_record(const ExportJob& job, const ExportReport& report);
 
 }  // namespace multum

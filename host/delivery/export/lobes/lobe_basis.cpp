@@ -13,8 +13,8 @@
 namespace multum {
 namespace {
 
-// The spread at which a lobe counts half: a highlight of s = 100 has about this one. Sharper lobes show more of an
-// error.
+// The spread at which a lobe's weight is one half: about the spread of a highlight of s = 100. Errors are more visible
+// in sharper lobes.
 constexpr float kHalfSpread = 0.02f;
 
 float weight_of(const glm::vec4& lobe) {
@@ -39,7 +39,7 @@ glm::vec4 LobeBasis::reduced(const glm::vec4& m) const {
 
 LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
   glm::dmat3 normal(0.0);  // sums of weighted products of x, y, a
-  glm::dvec3 right(0.0);   // of these and s
+  glm::dvec3 right(0.0);   // sums of weighted products of x, y, a with s
   each_lobe(mipmap, first_level, lobe, [&](const glm::vec4& one) {
     const glm::dvec4 m = moments_of(one);
     const glm::dvec3 known(m.x, m.y, m.w);
@@ -49,12 +49,12 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
   });
   LobeBasis basis;
   const double amplitude = normal[2][2];
-  if (amplitude <= 0.0) return basis;  // no such lobe anywhere
-  // A ridge of 1e-6: where x or y are 0 everywhere nothing is to be had of them.
+  if (amplitude <= 0.0) return basis;  // the lobe has no amplitude in any texel
+  // A ridge of 1e-6: if x or y is 0 everywhere, it predicts nothing.
   for (int i = 0; i < 3; ++i) normal[i][i] += 1e-6 * amplitude;
   basis.mean = glm::dvec2(normal[2]) / amplitude;
   basis.predictor = glm::inverse(normal) * right;
-  // A texel without the lobe is 0 in all channels.
+  // A texel without the lobe stores 0 in all channels.
   basis.low = glm::vec4(0.0f);
   basis.high = glm::vec4(std::numeric_limits<float>::min());
   each_lobe(mipmap, first_level, lobe, [&](const glm::vec4& one) {
@@ -66,7 +66,7 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
 }
 
 LobeUnpacking unpacking_of(const LobeBasis& basis) {
-  // (x, y, z, a) of moments (x, y, s, a) that stand for one channel alone.
+  // Returns the lobe (x, y, z, a) of the moments (x, y, s, a) that one channel contributes.
   const auto lobe_of = [&](float x, float y, float s, float a) {
     const float full_x = x + basis.mean.x * a, full_y = y + basis.mean.y * a;
     const float full_s = s + glm::dot(basis.predictor, glm::vec3(full_x, full_y, a));

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses what the channels of a lobe's layers hold (docs/reference/lobe_textures.md, "Lobes for GPUs"). Of x, y, z = a
-// r and the amplitude a the channels are x, y, s = a - z and a, each less what the others tell of it:
+// Chooses the contents of the channels of a lobe's layers (docs/reference/lobe_textures.md, "Lobes for GPUs"). A lobe
+// has x, y, z = a r and the amplitude a. Its channels are x, y, s = a - z and a; each channel stores only the part that
+// the others do not predict:
 //
 //     x' = x - m_x a,   y' = y - m_y a,   s' = s - (c_x x + c_y y + c_a a),   a
 //
-// by weighted least squares over all texels of the lobe. s is a second moment: 1 - r_z is half the mean square of the
-// normals' x and y, but for terms of fourth order. So the spread 1 - |r| is what is left of s without the squares of x
-// and y over a, and s' is small where lobes of one number point one way: eight or sixteen bits then keep the spread.
-// A filter gives s of a mixture exactly, which a stored spread would not: that lacks what lies between the texels.
+// The coefficients come from weighted least squares over all texels of the lobe. s is a second moment: 1 - r_z is half
+// the mean square of the normals' x and y, up to fourth-order terms. The spread 1 - |r| is therefore s without the
+// squares of x and y over a. s' is small if lobes of one number point in one direction; eight or sixteen bits then keep
+// the spread. A filter gives the exact s of a mixture. A stored spread would lack the differences between the texels.
 #pragma once
 
 #include <array>
@@ -19,10 +20,10 @@
 
 namespace multum {
 
-/// x, y, s, a of a lobe.
+/// Returns x, y, s, a of a lobe.
 glm::vec4 moments_of(const glm::vec4& lobe);
 
-/// What x', y', s' and a are made of; and their ranges, which channels from 0 to 1 span.
+/// The coefficients of x', y', s' and a, and the ranges that channels from 0 to 1 span.
 struct LobeBasis {
   glm::vec2 mean{0.0f};             // m_x, m_y
   glm::vec3 predictor{0.0f};        // c_x, c_y, c_a
@@ -31,13 +32,13 @@ struct LobeBasis {
   glm::vec4 reduced(const glm::vec4& moments) const;
 };
 
-/// Of lobe `lobe` of all stored levels from `first_level` on.
+/// Fits the basis of lobe `lobe` over all stored levels from `first_level` on.
 LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe);
 
-/// The unpacking of four channels in the order x', y', s', a.
+/// Returns how to unpack four channels in the order x', y', s', a.
 LobeUnpacking unpacking_of(const LobeBasis& basis);
 
-/// Of channels that are x, y, s and a themselves.
+/// Returns the unpacking of channels that hold x, y, s and a directly.
 LobeUnpacking plain_unpacking();
 
 }  // namespace multum

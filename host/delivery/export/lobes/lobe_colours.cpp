@@ -18,14 +18,15 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kLobesPerPair = 4;  // of layers, so that readers without BC5 have them in one of RGBA
-constexpr float kTintsMax = 4.0f;         // times its texel's luminance: a lobe is no lamp
+// Lobes per pair of layers. Readers without BC5 store a pair in one RGBA layer.
+constexpr std::size_t kLobesPerPair = 4;
+constexpr float kTintsMax = 4.0f;  // largest tint, times the texel's luminance: lobes do not emit light
 constexpr float kLeastLuminance = 1e-4f;
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
 
 using Tints = std::vector<std::vector<float>>;
 
-// Tints of a level as blocks, layer by layer. Shares: 1/2 + tint / (2 range).
+// Encodes the tints of a level as blocks, layer by layer. A stored share is 1/2 + tint / (2 range).
 std::vector<std::uint8_t> encode_tints(BlockEncoder& encoder, int width, int height, float range, const Tints& tints) {
   std::vector<std::uint8_t> all;
   const std::size_t count = kLobesPerPair * ((tints.size() + kLobesPerPair - 1) / kLobesPerPair);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of lobes (Han et al. 2007, section 7.3) as GPUs take them. Where bricks are red and mortar is grey, or dents
-// are dark, colour goes with the normal. Of a lobe its tint is stored: the luminance of its colour over that of the
-// texel, times its amplitude a, less a. Tints of a texel add up to 0, and are small and smooth: at half of the lobes'
-// sides, 4 bits per texel and lobe lose next to nothing (docs/evidence/GLTF_TEXTURES.md, "Colours of lobes").
+// Exports colours of lobes (Han et al. 2007, section 7.3) for GPUs. Colour depends on the normal where, for example,
+// bricks are red and mortar is grey, or dents are dark. The stored tint of a lobe is the luminance of its colour over
+// the texel's luminance, times its amplitude a, minus a. The tints of a texel add up to 0, and are small and smooth. At
+// half of the lobes' resolution, 4 bits per texel and lobe lose almost nothing (docs/evidence/GLTF_TEXTURES.md,
+// "Colours of lobes").
 #pragma once
 
 #include <cstdint>
@@ -15,11 +16,11 @@
 
 namespace multum {
 
-constexpr char kLobeColourKey[] = "multumLobeColours";  // in the key/value data
+constexpr char kLobeColourKey[] = "multumLobeColours";  // key in the key/value data
 constexpr int kLobeColourVersion = 1;
-constexpr int kLobeColourFirstLevel = 2;  // of the map: level 0 of the texture
+constexpr int kLobeColourFirstLevel = 2;  // map level that is level 0 of the texture
 
-/// Of a level with colours, [lobe][y * width + x].
+/// Returns the tints of a level with colours, [lobe][y * width + x].
 std::vector<std::vector<float>> lobe_tints(const MovmfLevel& level);
 
 struct LobeColourJob {
@@ -29,8 +30,8 @@ struct LobeColourJob {
   int threads = 1;
 };
 
-/// Returns the file's bytes; 0, and no file, where the map has no such level. Holds the lobes in memory. Throws Error,
-/// Cancelled; leaves no partial file.
+/// Returns the file's bytes. If the map has no such level, returns 0 and writes no file. Holds the lobes in memory.
+/// Throws Error, Cancelled; leaves no partial file.
 std::uint64_t export_lobe_colours(const LobeColourJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

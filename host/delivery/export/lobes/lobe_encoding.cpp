@@ -13,14 +13,14 @@
 namespace multum {
 namespace {
 
-constexpr int kBandRows = 64;  // of a level at a time: a multiple of a block's side
+constexpr int kBandRows = 64;  // rows of a level per band: a multiple of a block's side
 
-// What errors weigh. Of a lobe: its error counts by its amplitude, so that lobes with few normals keep their direction
-// and spread and those with many make up for what sums lack; and the broader it is, the less an error of its moments
-// shows. Of the sums: on a real map (a barrel's, 2048 x 2048, BC5) these take the error of the sum of amplitudes at
-// level 3 from 2.9 % rms to 1.5, that of the mean normal from 1.6 degrees to 1.4. What storage adds to a picture of
-// metal of roughness 0.4 (accuracy/storage_error.h), in points: lobes one by one, lobes together with weights of
-// 1 / amplitude, and as here:
+// Weights of errors. A lobe's error is weighted by its amplitude: small lobes keep their direction and spread, and
+// large lobes compensate errors of the sums. Broader lobes weigh less, because errors of their moments are less
+// visible. With these weights of the sums, a real map (a barrel, 2048 x 2048, BC5) has at level 3 an error of the sum
+// of amplitudes of 1.5 % rms instead of 2.9 %, and of the mean normal of 1.4 degrees instead of 1.6. The table lists
+// the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points. Columns:
+// lobes one by one; lobes together with weights of 1 / amplitude; these weights.
 //
 //     barrel, 2048 x 2048                          1.47   1.49   1.37
 //     Corset, 256 x 256                            0.50   0.74   0.46
@@ -28,14 +28,14 @@ constexpr int kBandRows = 64;  // of a level at a time: a multiple of a block's 
 constexpr float kAmplitudeSumWeight = 12.0f, kAxisSumWeight = 50.0f, kSpreadSumWeight = 3.0f;
 constexpr float kLeastAmplitude = 0.1f, kLeastSpread = 0.02f;
 
-// The moments of a band's texels as they are stored so far, lobe by lobe.
+// The moments that a band's texels store so far, lobe by lobe.
 struct StoredMoments {
   std::vector<std::vector<float>> x, y, a;
 };
 
-// The moment s that gives a lobe of amplitude `a` the wanted spread, with x and y as they are.
+// Returns the moment s that gives a lobe of amplitude `a` the wanted spread, for the given x and y.
 float s_of_spread(const glm::vec4& lobe, float x, float y, float a) {
-  if (lobe.w <= 0.0f) return a;  // no lobe: what is stored of it by mistake has no direction
+  if (lobe.w <= 0.0f) return a;  // no lobe here: an amplitude from rounding errors has no direction
   const float scale = a / lobe.w;
   const float square = scale * scale * glm::dot(glm::vec3(lobe), glm::vec3(lobe)) - x * x - y * y;
   const float z = std::sqrt(std::max(square, 0.0f));
@@ -64,7 +64,7 @@ class LobeBand {
  private:
   const glm::vec4& lobe(std::size_t j, std::size_t i) const { return lobes_[j][first_ + i]; }
 
-  // Rounds a channel; `wanted(j, i)` and `offset(j, i)`: of a lobe and texel. Returns what is stored.
+  // Rounds a channel and returns the stored values. `wanted(j, i)` and `offset(j, i)` are for lobe j and texel i.
   template <typename Wanted, typename Offset>
   std::vector<std::vector<float>> rounded(int channel, const Wanted& wanted, const Offset& offset,
                                           const std::vector<float>& sums, float sum_weight) {
@@ -99,7 +99,7 @@ class LobeBand {
         3, amplitude, [](std::size_t, std::size_t) { return 0.0f; }, sums(amplitude), kAmplitudeSumWeight);
   }
 
-  // Each lobe keeps its direction, of the amplitude that is stored.
+  // Keeps each lobe's direction at the stored amplitude.
   void round_axis(int axis) {
     const auto wanted = [&](std::size_t j, std::size_t i) {
       const glm::vec4& one = lobe(j, i);
@@ -128,7 +128,7 @@ class LobeBand {
   StoredMoments stored_;
 };
 
-// Halves hold the moments themselves.
+// Half floats store the moments themselves.
 LobeBasis plain_basis() { return {}; }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes the lobes of a level as layers of a lobe texture. Channels are encoded one after the other, each to what
-// makes up for those before: first the amplitude a, then x and y of the amplitude that is stored, then s of the spread
-// that the lobe shall have with all three as they are stored. So errors of the channels do not add up in the spread,
-// which is a small difference of theirs and the highlight's width. Of a channel all lobes are rounded together
+// Encodes the lobes of a level as layers of a lobe texture. Channels are encoded one after the other; each compensates
+// the errors of the earlier channels. The order is: the amplitude a; x and y for the stored amplitude; s for the wanted
+// spread with the stored a, x and y. Errors of the channels then do not add up in the spread, which is a small
+// difference of the channels and sets the highlight's width. All lobes of a channel are rounded together
 // (host/delivery/export/lobes/lobe_rounding.h), so that a texel keeps its sum of amplitudes and its mean normal.
 #pragma once
 
@@ -17,13 +17,13 @@ namespace multum {
 
 class LobeEncoder {
  public:
-  /// `device` outlives it.
+  /// `device` must outlive this object.
   LobeEncoder(LobeTexels texels, Device& device) : texels_(texels), encoder_(device) {}
 
-  /// What a lobe's layers hold.
+  /// Returns how a lobe's layers are unpacked.
   LobeUnpacking unpacking(const LobeBasis& basis) const;
-  /// The layers of a level, one behind the other, lobe by lobe. `bases`: a lobe each; `lobes`: of each
-  /// width * height of (a r, a). Progress: a unit a texel of a lobe.
+  /// Returns the layers of a level one after the other, lobe by lobe. `bases`: one per lobe; `lobes`: width * height
+  /// values (a r, a) per lobe. Progress: one unit per texel and lobe.
   std::vector<std::uint8_t> encode(const std::vector<LobeBasis>& bases, int width, int height,
                                    const std::vector<std::vector<glm::vec4>>& lobes, Progress* progress = nullptr);
 

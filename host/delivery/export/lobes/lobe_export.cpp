@@ -29,18 +29,19 @@ TexelFormat lobe_format(LobeTexels texels) {
   MULTUM_CHECK(false);
 }
 
-// The lobes to export, level 0 left to the normal map.
+// Reads the lobes to export. Level 0 is left out: the normal map has it.
 MovmfMipmap read_lobes(const LobeExportJob& job) {
   const BakedHeader header = read_baked_header(job.input);
   const auto refuse = [&](const std::string& found, const char* expected) {
     refuse_file(job.input, fmt::format("found {}, expected {}", found, expected));
   };
   if (!representation_info(header.representation).has_kappa)
-    refuse("no vMF lobes", "a file of multum bake without --ndf: --lobes stores lobes alone");
-  if (header.level_count() < 2) refuse("a map of one texel", "one with levels beyond the finest");
-  if (header.weight_count > 0) refuse("weights of basis BRDFs", "none: the texture has no place for them");
+    refuse("no vMF lobes", "a file of multum bake without --ndf, because --lobes stores only vMF lobes");
+  if (header.level_count() < 2) refuse("a map of one texel", "a map with more than one level");
+  if (header.weight_count > 0)
+    refuse("weights of basis BRDFs", "a file without them, because the texture cannot store weights");
   if (header.has_colours && !job.keeps_colours)
-    log_warning(job.input, "has colours, which --lobes leaves out: a renderer takes them from the albedo map");
+    log_warning(job.input, "has colours, which --lobes does not store; renderers use the albedo map");
   return read_movmf_mipmap(job.input, job.threads);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the lobes of a baked file as a texture for GPUs, from file to file (docs/reference/lobe_textures.md, "Lobes
+// Exports the lobes of a baked file as a texture for GPUs, from file to file (docs/reference/lobe_textures.md, "Lobes
 // for GPUs").
 #pragma once
 
@@ -20,14 +20,14 @@ struct LobeExportJob {
   std::string report;  // JSON; empty: none
   LobeTexels texels = LobeTexels::kBlocks;
   int zstd_level = 0;          // 1..kZstdLevelMax; 0: not supercompressed
-  bool keeps_colours = false;  // its user has them elsewhere; else a file with colours is warned of
+  bool keeps_colours = false;  // the caller exports the colours elsewhere; else a file with colours gives a warning
   int threads = 1;
 };
 
 struct LobeExportReport {
   LobeTextureHeader header;
   std::uint64_t gpu_bytes = 0;      // of the texture
-  std::uint64_t default_bytes = 0;  // of all levels of the map as BC5 and a roughness as BC4
+  std::uint64_t default_bytes = 0;  // bytes of all levels of the map as BC5 and a roughness as BC4
   std::string device;
   std::vector<std::pair<std::string, double>> seconds;  // by stage
 
@@ -35,8 +35,8 @@ struct LobeExportReport {
   std::string to_json() const;
 };
 
-/// Throws Error, Cancelled; leaves no partial file. Holds the file's lobes in memory, 16 bytes a lobe and texel.
-/// Progress: a unit a texel of a lobe.
+/// Throws Error, Cancelled; leaves no partial file. Holds the file's lobes in memory, 16 bytes per lobe and texel.
+/// Progress: one unit per texel and lobe.
 LobeExportReport export_lobes(const LobeExportJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -17,17 +17,17 @@ namespace multum {
 namespace {
 
 constexpr int kBlockSide = 4;
-constexpr std::size_t kBlockTexels = 16, kScalarBytes = 8;  // of a block of BC4
+constexpr std::size_t kBlockTexels = 16, kScalarBytes = 8;  // sizes of a BC4 block
 constexpr std::size_t kPaletteSize = 8;
 
-// What a texel of a lobe may store: next below and above what is wanted.
+// The storable values of a lobe's texel directly below and above the wanted value.
 struct StorablePair {
   float values[2];
   int codes[2];
   float wanted, weight;
 };
 
-// Bit j: lobe j takes the upper one. All 2^n combinations are looked at: of four lobes 16.
+// Returns the best combination; bit j set: lobe j takes the upper value. Tries all 2^n combinations: 16 for four lobes.
 std::pair<unsigned, float> best_combination(const std::vector<StorablePair>& pairs, float sum, float sum_weight) {
   unsigned best = 0;
   float least = INFINITY;
@@ -48,7 +48,7 @@ float offset_at(const RoundedChannel& lobe, std::size_t texel) {
   return lobe.offset.empty() ? 0.0f : lobe.offset[texel];
 }
 
-// Of 0 to 1; a channel that is the same everywhere has no range.
+// Returns the share 0 to 1 of a texel. A constant channel has no range.
 float share_of(const RoundedChannel& lobe, std::size_t texel) {
   return (lobe.wanted[texel] - offset_at(lobe, texel) - lobe.low) / std::max(lobe.range, 1e-30f);
 }
@@ -57,7 +57,7 @@ float value_of(const RoundedChannel& lobe, std::size_t texel, float share) {
   return lobe.low + lobe.range * share + offset_at(lobe, texel);
 }
 
-// Four halves a texel: fine enough for each lobe by itself.
+// Stores four half floats per texel. They are exact enough to round each lobe independently.
 class HalfRounding : public LobeRounding {
  public:
   HalfRounding(int lobe_count, std::size_t texels) : layers_(size_of(lobe_count)) {
@@ -78,7 +78,7 @@ class HalfRounding : public LobeRounding {
   std::vector<std::vector<std::uint8_t>> layers_;
 };
 
-// Four bytes a texel.
+// Stores four bytes per texel.
 class ByteRounding : public LobeRounding {
  public:
   ByteRounding(int lobe_count, std::size_t texels) : layers_(size_of(lobe_count)) {
@@ -112,11 +112,11 @@ class ByteRounding : public LobeRounding {
   std::vector<std::vector<std::uint8_t>> layers_;
 };
 
-// A block of BC4 whose texels take other ones of its eight values.
+// A BC4 block whose texels may choose other ones of its eight values.
 class RechosenBlock {
  public:
   explicit RechosenBlock(std::uint8_t* block) : block_(block) {
-    // A block whose texels have the codes 0 to 7 shows them all.
+    // A block with the texel codes 0 to 7 shows all eight values.
     std::array<std::uint8_t, kScalarBytes> all{};
     std::copy(block, block + 2, all.begin());
     std::uint64_t codes = 0;
@@ -151,8 +151,9 @@ class RechosenBlock {
   std::uint64_t codes_ = 0;
 };
 
-// Two layers of BC5 a lobe: a block of BC4 for each channel. Blocks of one lobe after the other get ends that make up
-// for the errors of all others; then texels choose among the values that their blocks have, all lobes together.
+// Stores two BC5 layers per lobe: one BC4 block per channel. First, the blocks of one lobe after the other get ends
+// that compensate the errors of all other lobes. Then the texels of all lobes together choose among their blocks'
+// values.
 class BlockRounding : public LobeRounding {
  public:
   BlockRounding(BlockEncoder& encoder, int lobe_count, int width, int row_count)
@@ -162,7 +163,7 @@ class BlockRounding : public LobeRounding {
 
   void round(int channel, std::vector<RoundedChannel>& lobes, const std::vector<float>& sums,
              float sum_weight) override {
-    // The ends of each block are those that hold a lobe's own values best.
+    // Each block begins with the ends that fit its own lobe's values best.
     std::vector<Encoded> all;
     for (const RoundedChannel& lobe : lobes) all.push_back(encoded(lobe, lobe.wanted));
     for (std::size_t j = 0; j < lobes.size(); ++j) make_up(j, lobes, sums, sum_weight, all);
@@ -184,12 +185,12 @@ class BlockRounding : public LobeRounding {
  private:
   struct BlockPlace {
     int x, y;
-    std::size_t at;  // in the blocks of a lobe
+    std::size_t at;  // index in the blocks of a lobe
   };
 
   struct Encoded {
     std::vector<std::uint8_t> blocks;
-    std::vector<float> values;  // that they hold
+    std::vector<float> values;  // values in the block
   };
 
   template <typename Look>
@@ -215,7 +216,7 @@ class BlockRounding : public LobeRounding {
     return made;
   }
 
-  // Encodes lobe `j` anew so that it makes up for the others' errors; each block keeps the better of both.
+  // Encodes lobe `j` again so that it compensates the errors of the other lobes. Each block keeps the better result.
   void make_up(std::size_t j, const std::vector<RoundedChannel>& lobes, const std::vector<float>& sums,
                float sum_weight, std::vector<Encoded>& all) const {
     const RoundedChannel& lobe = lobes[j];

@@ -37,7 +37,7 @@ std::string png_of(const std::vector<std::uint8_t>& grey, const std::string& fol
   return bytes_of_file(path);
 }
 
-// The reference and all models of a frame side by side, row by row.
+// Places the reference and all models of a frame side by side, row by row.
 std::vector<std::uint8_t> tiled(const std::vector<std::vector<std::uint8_t>>& pictures, int rows) {
   const std::size_t side = size_of(kFrameSide), width = side * kTileColumns;
   std::vector<std::uint8_t> tiles(width * side * size_of(rows));
@@ -50,7 +50,7 @@ std::vector<std::uint8_t> tiled(const std::vector<std::vector<std::uint8_t>>& pi
   return tiles;
 }
 
-// One motion behind the other; empty where there is no ffmpeg.
+// Returns one video with all motions in sequence; empty if ffmpeg is missing.
 std::string video_of(const SurfaceStudy& study, const std::string& page, const std::string& folder) {
   VideoFrames video;
   const int rows = (static_cast<int>(study.ids.size()) + 1 + kTileColumns - 1) / kTileColumns;
@@ -107,7 +107,7 @@ void write_export_page(const ExportJob& job, const ExportReport& report, const s
           encode_base64(png_of(study.distances[d].pictures[p].grey, scratch->path()));
   for (std::size_t m = 0; m < study.ids.size(); ++m) json["names"][study.ids[m]] = study.names[m];
   const std::string map = text_of_path(fs::path(job.input).filename().string());
-  json["title"] = "One lobe a texel: " + map;
+  json["title"] = "One lobe per texel: " + map;
   json["map"] = map;
   json["software"] = software_version();
   json["report"] = Json::parse(report.to_json(job));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey frames as a WebM of VP9, encoded by ffmpeg: a tool of the machine (Debian package ffmpeg), not part of multum.
+// Encodes grey frames as VP9 in WebM by running ffmpeg (Debian package ffmpeg), which is not part of multum.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,12 @@ namespace multum {
 
 struct VideoFrames {
   int width = 0, height = 0;  // even
-  int enlarged = 2;           // each pixel as a square of so many, 1..8
+  int enlarged = 2;           // side of the square that shows a pixel, 1..8
   int frames_per_second = 24;
   std::vector<std::vector<std::uint8_t>> frames;  // width * height
 };
 
-/// The file's bytes. `folder`: for files that come and go. Throws Error(kEnvironment) where there is no ffmpeg, or it
-/// fails.
+/// Returns the file's bytes. `folder`: for temporary files. Throws Error(kEnvironment) if ffmpeg is missing or fails.
 std::string encode_webm(const VideoFrames& video, const std::string& folder);
 
 }  // namespace multum

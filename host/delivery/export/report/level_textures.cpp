@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// The texel of a side of `size`, repeated.
+// Returns the index of a texel on a side of `size` texels that repeats.
 int wrapped(int texel, int size) {
   const int rest = texel % size;
   return rest < 0 ? rest + size : rest;
@@ -21,7 +21,7 @@ int wrapped(int texel, int size) {
 
 constexpr int kMeanChannels = 4;
 
-// Adds a row of the finest level to those of a coarser one that it lies in.
+// Adds a row of the finest level to the rows of a coarser level that contain it.
 void add_row(TextureLevel& level, int row, int width, int height, const std::vector<float>& values) {
   const auto begin = static_cast<int>(std::int64_t{row} * level.height / height);
   for (int y = begin; y < level.height; ++y) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levels of a texture as a renderer holds them, filtered as hardware does: what the pictures of a comparison are drawn
-// from.
+// Holds texture levels as a renderer does and filters them like hardware. The pictures of a comparison are drawn from
+// these textures.
 #pragma once
 
 #include <vector>
@@ -23,8 +23,8 @@ class LevelTexture {
   int first_level() const { return first_level_; }
   std::vector<TextureLevel>& levels() { return levels_; }
   const std::vector<TextureLevel>& levels() const { return levels_; }
-  /// Trilinear: `u`, `v` in units of the map, row 0 at v = 0; `level` from the first one on, clamped. `values`: a
-  /// number a channel.
+  /// Samples trilinearly. `u`, `v`: in units of the map, row 0 at v = 0; `level`: clamped to the stored levels.
+  /// `values`: one number per channel.
   void sample(double level, double u, double v, double* values) const;
 
  private:
@@ -34,8 +34,8 @@ class LevelTexture {
   std::vector<TextureLevel> levels_;
 };
 
-/// Averages of what texels cover: three channels of the normals, not normalised, and perceptual roughness. `material`:
-/// null, or its first plane is alpha^2; else all have `alpha_squared`.
+/// Averages the finest texels under each texel: three channels of normals, not normalized, and perceptual roughness.
+/// The first plane of `material` is alpha^2; if `material` is null, all texels have `alpha_squared`.
 LevelTexture averaged_levels(const PlaneStore& normals, const PlaneStore* material, double alpha_squared,
                              int first_level);
 

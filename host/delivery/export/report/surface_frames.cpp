@@ -19,15 +19,15 @@
 namespace multum {
 namespace {
 
-constexpr double kViewTilt = 30.0;         // of the eye from the surface's normal, degrees
-constexpr double kHalfVectorReach = 0.45;  // slope of the half vector at the picture's border, from that of the middle
+constexpr double kViewTilt = 30.0;         // angle between eye direction and surface normal, degrees
+constexpr double kHalfVectorReach = 0.45;  // slope of the half vector at the picture's border, relative to the middle
 
 glm::dvec3 eye() {
   constexpr double kTilt = kViewTilt * std::numbers::pi / 180.0;
   return {0.0, std::sin(kTilt), std::cos(kTilt)};
 }
 
-// The light of a pixel: the one that its half vector reflects to the eye. y up, rows down.
+// Returns the light of a pixel: its half vector reflects this light to the eye. y points up, rows go down.
 glm::dvec3 light_of(const FrameView& view, int x, int y) {
   const auto place = [](int pixel) { return 2.0 * (pixel + 0.5) / kFrameSide - 1.0; };
   const glm::dvec3 half = glm::normalize(glm::dvec3(view.half_vector.x + kHalfVectorReach * place(x),
@@ -42,8 +42,8 @@ LightSet one_light(const glm::dvec3& light) {
   return set;
 }
 
-// Adds the highlights of facets side by side under one light, each times its share: add_highlights() with the loop
-// turned inside out. `base`: alpha^2 of each; null: all have `alpha_squared`.
+// Adds the weighted highlights of adjacent facets under one light: add_highlights() with the loop over facets inside.
+// `base`: alpha^2 of each facet; null: all have `alpha_squared`.
 MULTUM_VECTOR_CLONES double facets_highlight(const glm::dvec3& l, const glm::dvec3& v, const glm::dvec3& h,
                                              const float* x, const float* y, const float* z, const float* base,
                                              double alpha_squared, const double* shares, std::size_t count) {
@@ -61,7 +61,7 @@ MULTUM_VECTOR_CLONES double facets_highlight(const glm::dvec3& l, const glm::dve
   return sum;
 }
 
-// A normal of a texture as a shader takes it.
+// Returns a texture's normal as a shader decodes it.
 glm::dvec3 normal_of(const double* values) {
   const glm::dvec3 normal(values[0], values[1], values[2]);
   return glm::length(normal) > 1e-9 ? glm::normalize(normal) : glm::dvec3(0.0, 0.0, 1.0);
@@ -88,9 +88,9 @@ double baked_highlight(const glm::dvec3& light, const double* values, int lobe_c
   return sum;
 }
 
-// Finest texels that a pixel's side covers, with their shares of it.
+// The finest texels that a pixel's side covers, with their shares.
 struct CoveredSide {
-  std::vector<int> texels;  // within the map, which repeats
+  std::vector<int> texels;  // indices within the map, which repeats
   std::vector<double> shares;
 };
 
@@ -153,7 +153,7 @@ FramePixels draw_reference(const PlaneStore& normals, const PlaneStore* material
         const CoveredSide& column = columns[size_of(x)];
         const glm::dvec3 light = light_of(view, x, y), half = glm::normalize(light + eye());
         double& pixel = pixels[size_of(y) * size_of(kFrameSide) + size_of(x)];
-        for (std::size_t c = 0; c < column.texels.size();) {  // runs up to the map's border
+        for (std::size_t c = 0; c < column.texels.size();) {  // runs end at the map's border
           const std::size_t at = size_of(column.texels[c]);
           const std::size_t count = std::min(column.texels.size() - c, size_of(width) - at);
           pixel += rows.shares[r] * facets_highlight(light, eye(), half, &nx[at], &ny[at], &nz[at],

@@ -18,12 +18,12 @@ namespace multum {
 namespace {
 
 constexpr int kLastLevel = 6;
-constexpr int kFrameCount = 48;      // of a motion: two seconds
-constexpr double kTurnReach = 0.15;  // slope of the half vector that goes round
+constexpr int kFrameCount = 48;      // frames per motion: two seconds
+constexpr double kTurnReach = 0.15;  // slope of the circling half vector
 constexpr double kTurnLevel = 4.0;
-constexpr double kWhiteShare = 0.98;  // of the reference's pixels are darker than white
+constexpr double kWhiteShare = 0.98;  // share of the reference's pixels that are darker than white
 
-// Keeps levels from kStudyFirstLevel on as a texture: normal, roughness, axis and strength.
+// Stores levels from kStudyFirstLevel on as a texture: normal, roughness, axis and strength.
 class LevelSink : public MaterialSink {
  public:
   LevelSink(int width, int height, bool has_axis) : texture(has_axis ? 7 : 4, kStudyFirstLevel) {
@@ -47,7 +47,7 @@ class LevelSink : public MaterialSink {
   LevelTexture texture;
 };
 
-// What an engine's rule makes of averages.
+// Applies an engine's rule to averages.
 SurfaceModel rule_model(const EngineRule& rule, const LevelTexture& averages) {
   SurfaceModel model{rule.id, rule.name, SurfaceModel::Kind::kOneLobe, averages};
   for (TextureLevel& level : model.texture.levels())
@@ -89,7 +89,7 @@ SurfaceModel baked_model(BakedLobes& lobes) {
   return model;
 }
 
-// All that frames are drawn from.
+// All inputs of the frames.
 struct Stage {
   ExportSource source;
   const PlaneStore* material = nullptr;  // with a roughness
@@ -98,7 +98,7 @@ struct Stage {
   std::vector<SurfaceModel> models = {};
   int threads = 1;
 
-  // The reference, then each model.
+  // Draws the reference, then each model.
   std::vector<FramePixels> draw(const FrameView& view) const {
     const PlaneStore& normals = source.fitted_normals();
     std::vector<FramePixels> drawn = {draw_reference(normals, material, alpha_squared, view, threads)};
@@ -111,7 +111,7 @@ struct Stage {
   }
 };
 
-// Divides what is shown: most of the reference is then below 1.
+// Returns the divisor of shown values; it brings most of the reference below 1.
 double white_of(FramePixels reference) {
   const auto place =
       reference.begin() + static_cast<std::ptrdiff_t>(kWhiteShare * static_cast<double>(reference.size()));
@@ -141,7 +141,7 @@ double difference_of(const FramePixels& a, const FramePixels& b) {
   return sum;
 }
 
-// |(now - before) - (reference's)|, summed.
+// Returns the sum of |(now - before) - (reference's change)|.
 double flicker_of(const FramePixels& now, const FramePixels& before, const FramePixels& reference,
                   const FramePixels& reference_before) {
   double sum = 0.0;
@@ -176,7 +176,7 @@ StudyMotion motion_of(const Stage& stage, const std::string& id, Progress* progr
   for (int frame = 0; frame < kFrameCount; ++frame) {
     progress_advance(progress, 0);
     std::vector<FramePixels> drawn = stage.draw(view_of_frame(stage, id, frame));
-    // One exposure for all frames: what is brighter for a moment shows as that.
+    // All frames share one exposure, so that brief bright flashes stay visible.
     if (frame == 0) white = white_of(drawn[0]);
     total += sum_of(drawn[0]);
     for (std::size_t m = 0; m < motion.models.size(); ++m) {
@@ -202,7 +202,7 @@ SurfaceStudy study_surface(const ExportJob& job, const std::string& scratch_fold
                            Progress* progress) {
   progress_stage(progress, "draw");
   const auto read = [&] {
-    const QuietLog quiet;  // the export has said what there is to say of the map
+    const QuietLog quiet;  // the export has already logged its messages about the map
     return read_export_source(job, scratch_folder, progress);
   };
   Stage stage{read()};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares ways to filter a surface by pictures and by motion: averaged normals, engines' rules, one lobe as exported,
-// round and anisotropic, and the lobes of a bake, each beside the reference.
+// Compares filtering methods by pictures and motion: averaged normals, the engines' rules, the exported lobe (isotropic
+// and anisotropic), and the lobes of a bake. Each is compared with the reference.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,26 @@
 
 namespace multum {
 
-/// Grey pixels to show, sRGB, and what they are off by.
+/// Grey sRGB pixels to show, and their errors.
 struct StudyPicture {
   std::vector<std::uint8_t> grey;  // kFrameSide * kFrameSide
   double error = 0.0;              // relative L1 of the highlight
-  double energy = 1.0;             // over that of the reference
+  double energy = 1.0;             // relative to the reference
 };
 
-/// Pictures from one distance: of the reference, then of each model.
+/// Pictures from one distance: the reference, then each model.
 struct StudyDistance {
   double level;
   std::vector<StudyPicture> pictures;
 };
 
-/// Of one model in one motion, over all frames.
+/// The flicker of one model in one motion, over all frames.
 struct StudyFlicker {
   double error = 0.0;  // relative L1
-  // Sum over frames and pixels of |change of the model - change of the reference|, over the sum of the reference: what
-  // flickers, or fails to, a frame. 0 for the reference.
+  // Sum over frames and pixels of |change of the model - change of the reference|, over the sum of the reference. The
+  // value measures false or missing flicker per frame. It is 0 for the reference.
   double flicker = 0.0;
-  double change = 0.0;  // the same of |change of the model| alone
+  double change = 0.0;  // the same sum of |change of the model| only
 };
 
 struct StudyMotion {
@@ -40,7 +40,7 @@ struct StudyMotion {
   int frame_count = 0;
   double reference_change = 0.0;  // StudyFlicker::change of the reference
   std::vector<StudyFlicker> models;
-  // [frame][picture][pixel]: the reference, then models.
+  // [frame][picture][pixel]: the reference, then the models.
   std::vector<std::vector<std::vector<std::uint8_t>>> frames;
 };
 
@@ -50,10 +50,10 @@ struct SurfaceStudy {
   std::vector<StudyMotion> motions;
 };
 
-/// Finest level that pictures show: nearer, all ways are alike.
+/// Finest level in the pictures. At finer levels all methods give the same result.
 constexpr int kStudyFirstLevel = 2;
 
-/// Reads the job's source again, and fits round and anisotropic lobes. Throws as export_file() does.
+/// Reads the job's source again, and fits isotropic and anisotropic lobes. Throws the same errors as export_file().
 SurfaceStudy study_surface(const ExportJob& job, const std::string& scratch_folder, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes levels of textures as UASTC blocks by the npm package ktx2-encoder (Basis Universal, compiled to
-// WebAssembly). Blocks know nothing of one another, so levels are encoded by strips, on as many threads as are asked
-// for, and the bytes are always the same.
+// Encodes texture levels as UASTC blocks with the npm package ktx2-encoder (Basis Universal, compiled to WebAssembly).
+// Blocks are independent, so strips of a level are encoded on any number of threads, and the bytes are always the same.
 //
 //   node encode_uastc.mjs PLAN.json
 //
 // PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "decoded": FILE, "levels":
-// [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level (level_file.h);
-// "normals": true for normal maps, whose blocks are then chosen by the angles that they turn normals by;
-// the output are blocks of 16 bytes in rows, level after level. "decoded", which may be missing, is a file that
-// gets the blocks' texels in the form of the input. Without "input" the package is only looked for. Exit code 3: it is
-// not there.
+// [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level (level_file.h). The output is rows
+// of 16-byte blocks, level after level. "normals": true is for normal maps: their blocks are chosen by the angle errors
+// of the normals. "decoded" is optional; this file gets the decoded texels in the form of the input. Without "input"
+// the script only looks for the package. Exit code 3: the package is missing.
 import { closeSync, existsSync, openSync, readFileSync, readSync, writeSync } from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { Worker, isMainThread, workerData } from "node:worker_threads";
 
-const STRIP_TEXELS = 1 << 17; // of a thread's share at a time; the encoder takes at most 12 million
+const STRIP_TEXELS = 1 << 17; // texels of a strip; the encoder takes at most 12 million
 const BLOCK_SIDE = 4;
 const BLOCK_BYTES = 16;
 
-// Folders that may hold the package, in node's order: what was said, those above, those of the system.
+// Lists folders that may hold the package, in node's order: the given folder, the parent folders, the system folders.
 function findEncoder(said) {
   const above = [];
   for (let at = process.cwd(); ; at = path.dirname(at)) {
@@ -60,23 +58,23 @@ function stripsOf(levels) {
   return strips;
 }
 
-// The only level of a KTX2 file with one.
+// Returns the only level of a KTX2 file with one level.
 function levelOf(file) {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
   const LEVEL_COUNT = 40, LEVEL_INDEX = 80;
-  if (view.getUint32(LEVEL_COUNT, true) !== 1) throw new Error("the encoder wrote other levels than one");
+  if (view.getUint32(LEVEL_COUNT, true) !== 1) throw new Error("the encoder did not write exactly one level");
   const offset = Number(view.getBigUint64(LEVEL_INDEX, true));
   return file.subarray(offset, offset + Number(view.getBigUint64(LEVEL_INDEX + 8, true)));
 }
 
-// The texels of such a file, by the package's own decoder.
+// Decodes the texels of such a file with the package's own decoder.
 async function texelsOf(file, { width, rows }, encoder) {
-  const RGBA32 = 13; // of its formats
+  const RGBA32 = 13; // a format code of the decoder
   const decoder = new (await encoder.init()).KTX2File(file);
   try {
     const texels = new Uint8Array(4 * width * rows);
     if (!decoder.startTranscoding() || !decoder.transcodeImage(texels, 0, 0, 0, RGBA32, 0, -1, -1))
-      throw new Error("the encoder cannot decode what it wrote");
+      throw new Error("the encoder cannot decode its own file");
     return texels;
   } finally {
     decoder.close();
@@ -93,7 +91,7 @@ async function blocksOf(texels, { width, rows }, plan, basis) {
   return { file, blocks: levelOf(file) };
 }
 
-// Where a block's texels are in a strip; texels beyond its edge are the last ones again, as the encoder has them.
+// Returns the positions of a block's texels in a strip. Texels beyond the edge repeat the last ones, as in the encoder.
 function texelsOfBlock({ width, rows }, block) {
   const columns = Math.ceil(width / BLOCK_SIDE);
   const [x, y] = [BLOCK_SIDE * (block % columns), BLOCK_SIDE * Math.floor(block / columns)];
@@ -101,7 +99,7 @@ function texelsOfBlock({ width, rows }, block) {
     Math.min(x + i % BLOCK_SIDE, width - 1) + width * Math.min(y + Math.floor(i / BLOCK_SIDE), rows - 1));
 }
 
-// Three numbers a texel, -1 to 1, any length.
+// Returns three numbers per texel, -1 to 1, of any length.
 function vectorsAt(texels, places) {
   const made = new Float64Array(48);
   places.forEach((place, i) => { for (let c = 0; c < 3; ++c) made[3 * i + c] = texels[4 * place + c] / 127.5 - 1; });
@@ -117,7 +115,8 @@ function normalized(v) {
   return made;
 }
 
-// The directions of a block's texels, and of points between four of them, where a sampler's mean depends on lengths.
+// Returns the directions of a block's texels, and of the points between four texels. A sampler's mean at such a point
+// depends on the lengths.
 function directionsOf(v) {
   const all = new Float64Array(48 + 27);
   all.set(v);
@@ -136,8 +135,9 @@ function squaredAngles(one, other) {
   return sum;
 }
 
-// The same directions with other lengths, which the encoder stores otherwise: its error is of all three numbers, and
-// on a plane it is one of angles. The plane is square to `axis`; null: a normal is behind it.
+// Returns the same directions with other lengths, which the encoder stores differently. The encoder minimizes the error
+// of all three numbers; on a plane this is an angle error. The plane is perpendicular to `axis`. Returns null if a
+// normal is behind the plane.
 function onPlane(v, axis) {
   const unit = normalized(v), made = new Float64Array(48);
   let most = 1;
@@ -156,9 +156,9 @@ const PLANES = [
   (v) => onPlane(v, [0, 0, 1]),
 ];
 
-// Replaces blocks that another coding of the same normals turns less.
+// Replaces blocks if another coding of the same normals has a lower angle error.
 async function improveNormals(texels, strip, found, plan, basis) {
-  const worth = 16 * (0.1 * Math.PI / 180) ** 2; // below 0.1 degrees a block is good enough
+  const worth = 16 * (0.1 * Math.PI / 180) ** 2; // a block below 0.1 degrees is good enough
   const wanted = new Map();
   for (let block = 0; block < found.blocks.length / BLOCK_BYTES; ++block) {
     const places = texelsOfBlock(strip, block), v = vectorsAt(texels, places);
@@ -190,7 +190,7 @@ async function improveNormals(texels, strip, found, plan, basis) {
 }
 
 async function work({ plan, encoder, strips, next }) {
-  console.log = () => {}; // the encoder tells of each slice
+  console.log = () => {}; // the encoder logs every slice
   const { NodeBasisEncoder } = await import(pathToFileURL(encoder).href);
   const basis = new NodeBasisEncoder();
   const input = openSync(plan.input, "r"), output = openSync(plan.output, "r+");
@@ -198,7 +198,8 @@ async function work({ plan, encoder, strips, next }) {
   for (let i; (i = Atomics.add(next, 0, 1)) < strips.length;) {
     const strip = strips[i];
     const texels = new Uint8Array(4 * strip.width * strip.rows);
-    if (readSync(input, texels, 0, texels.length, strip.input) !== texels.length) throw new Error("levels are cut");
+    if (readSync(input, texels, 0, texels.length, strip.input) !== texels.length)
+      throw new Error("the file of levels is cut short");
     const found = await blocksOf(texels, strip, plan, basis);
     if (found.blocks.length !== strip.bytes)
       throw new Error(`found ${found.blocks.length} bytes, expected ${strip.bytes}`);

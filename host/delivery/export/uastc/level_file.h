@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texture's mip levels on disk between their fit and their encoding: RGBA of 8 bits, level 0 first, each from its top
-// row, one behind the other.
+// Stores a texture's mip levels on disk between fit and encoding: 8-bit RGBA, level 0 first, levels one after the
+// other, each from its top row.
 #pragma once
 
 #include <array>
@@ -14,14 +14,14 @@ namespace multum {
 
 class LevelFile {
  public:
-  /// Throws Error(kEnvironment), as do its functions.
+  /// The constructor and all functions throw Error(kEnvironment).
   LevelFile(const std::string& folder, const std::string& name, int width, int height);
 
   const std::string& path() const { return path_; }
   int width() const { return width_; }
   int height() const { return height_; }
   int level_count() const { return static_cast<int>(offsets_.size()) - 1; }
-  /// Of its first byte; of level_count() the length of the file.
+  /// Returns the offset of the level's first byte. For level_count(), returns the file's length.
   std::uint64_t offset(int level) const { return offsets_[static_cast<std::size_t>(level)]; }
 
   void write_rows(int level, int first_row, const std::vector<std::uint8_t>& texels);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A LevelFile as a texture that pictures are drawn with.
+// Presents a LevelFile as a texture for drawing pictures.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace multum {
 
-/// Levels that are small enough are held in memory, others read texel by texel.
+/// Holds small levels in memory, and reads texels of the others from disk.
 class LevelFileTexture : public SharesTexture {
  public:
-  /// `file` must outlive it. `bytes_max`: of what is held.
+  /// `file` must outlive this object. `bytes_max`: limit for the levels in memory.
   LevelFileTexture(const LevelFile& file, const TextureFrame& frame, std::uint64_t bytes_max);
 
   glm::dvec4 texel(int level, int x, int y) const override;
 
  private:
   const LevelFile& file_;
-  std::vector<std::vector<std::uint8_t>> held_;  // by level; empty: on disk
+  std::vector<std::vector<std::uint8_t>> held_;  // levels in memory; empty: on disk
 };
 
 }  // namespace multum

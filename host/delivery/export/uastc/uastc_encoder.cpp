@@ -24,8 +24,8 @@ constexpr int kNoPackage = 3;  // exit code of the script
 [[noreturn]] void refuse_encoder(const UastcSettings& settings, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
               settings.option + " uastc: " + what +
-                  "; expected Node.js 18 or later and its package ktx2-encoder: 'npm install ktx2-encoder' in this "
-                  "folder, or --encoder FOLDER where it is. " +
+                  "; expected Node.js 18 or later and its package ktx2-encoder. Run 'npm install ktx2-encoder' in this "
+                  "folder, or give the package's folder with --encoder FOLDER. " +
                   settings.option + " rgba8 needs neither");
 }
 
@@ -95,7 +95,7 @@ std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, con
   for (int level = 0; level < levels.level_count(); ++level) {
     std::vector<std::uint8_t> blocks(level_bytes(texture, level));
     file.read(reinterpret_cast<char*>(blocks.data()), static_cast<std::streamsize>(blocks.size()));
-    if (!file) refuse_encoder(settings, "the encoder's blocks are cut");
+    if (!file) refuse_encoder(settings, "the encoder's file of blocks is incomplete");
     made.push_back(std::move(blocks));
   }
   return made;

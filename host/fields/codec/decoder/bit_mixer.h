@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mixes what several contexts say of the next symbol into one probability: a weighted sum of their log odds, the
-// weights learnt from the symbols themselves (logistic mixing: Mahoney 2005, "Adaptive weighing of context models for
-// lossless data compression"). Integers alone: encoder and decoder agree on every machine.
+// Mixes the predictions of several contexts for the next symbol into one probability. The mix is a weighted sum of log
+// odds whose weights are learnt from the symbols (logistic mixing: Mahoney 2005, "Adaptive weighing of context models
+// for lossless data compression"). All arithmetic is integer, so that encoder and decoder agree on every machine.
 #pragma once
 
 #include <algorithm>
@@ -18,9 +18,9 @@ inline constexpr std::array<int, 65> kLogistic = {
     11955, 14595, 17625, 21025, 24743, 28693, 32768, 36843, 40793, 44511, 47911, 50941, 53581,
     55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615, 64030, 64357, 64614, 64816, 64974,
     65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514};
-extern const std::array<std::int16_t, 4096> kLogOdds;  // of each sixteen probabilities
+extern const std::array<std::int16_t, 4096> kLogOdds;  // one entry per sixteen probabilities
 
-/// The probability in 1/65536 of log odds in 1/256: 22 to 65514.
+/// Returns the probability in 1/65536 of log odds in 1/256: 22 to 65514.
 inline std::uint32_t probability_of(int log_odds) {
   const auto shifted = static_cast<std::uint32_t>(std::clamp(log_odds, -2048, 2047) + 2048);
   const std::uint32_t i = shifted / 64, rest = shifted % 64;
@@ -28,31 +28,32 @@ inline std::uint32_t probability_of(int log_odds) {
          static_cast<std::uint32_t>(kLogistic[i + 1] - kLogistic[i]) * rest / 64;
 }
 
-/// ln(p / (1 - p)) in 1/256 of a probability in 1/65536, up to 65535: -2048 to 2047. Never falls as p rises.
+/// Returns ln(p / (1 - p)) in 1/256, -2048 to 2047, of a probability p in 1/65536, up to 65535. The result never falls
+/// as p rises.
 inline int log_odds(std::uint32_t probability) { return kLogOdds[std::min<std::uint32_t>(probability, 65535) / 16]; }
 
 class BitMixer {
  public:
   static constexpr std::size_t kInputsMax = 4;
 
-  /// Probability of 1, in 1/65536, from the log odds that each context gives, at most kInputsMax.
+  /// Returns the probability of 1, in 1/65536, from the log odds of each context, at most kInputsMax.
   std::uint32_t mix(std::span<const int> inputs) const {
     std::int64_t sum = 0;
     for (std::size_t i = 0; i < inputs.size(); ++i) sum += std::int64_t{weights_[i]} * inputs[i];
     return probability_of(static_cast<int>(std::clamp<std::int64_t>(sum / 65536, -2048, 2047)));
   }
-  /// Learns from the symbol that came after `mix` had given `probability` for `inputs`.
+  /// Learns from the symbol that followed when `mix` had returned `probability` for `inputs`.
   void update(std::span<const int> inputs, std::uint32_t probability, bool bit) {
-    // The gradient of the code length by weight i is (p - bit) inputs[i]; a step of 1/128 of it, in natural logarithms.
-    // Half or twice as much makes files of field_demo1 at most 0.2 % longer or shorter. Below 2^27: inputs are below
-    // 2^11.
+    // The gradient of the code length by weight i is (p - bit) inputs[i]. A step is 1/128 of the gradient, in natural
+    // logarithms. Half or twice this rate changes files of field_demo1 by at most 0.2 %. The product is below 2^27,
+    // because inputs are below 2^11.
     const int error = (bit ? 65535 : 0) - static_cast<int>(probability);
     for (std::size_t i = 0; i < inputs.size(); ++i)
       weights_[i] = std::clamp(weights_[i] + error * inputs[i] / (1 << 15), -(1 << 15), 1 << 19);
   }
 
  private:
-  // In 1/65536. Their sum starts above 1: contexts that agree are right more often than each of them says.
+  // In 1/65536. The sum starts above 1, because contexts that agree are right more often than each one predicts.
   std::array<std::int32_t, kInputsMax> weights_{26000, 26000, 26000, 26000};
 };
 

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cosine transform of square blocks of 8, 16 or 32 samples a side, orthonormal (DCT-II), and its inverse.
+// Computes the orthonormal cosine transform (DCT-II) of square blocks of 8, 16 or 32 samples per side, and its inverse.
 #pragma once
 
 #include <span>
 
 namespace multum {
 
-/// True for the sides that there are: 8, 16, 32.
+/// Returns true for the supported sides: 8, 16, 32.
 bool is_dct_side(int side);
 
-/// C, [side][side]: row k the cosine of frequency k.
+/// Returns C, [side][side]: row k is the cosine of frequency k.
 std::span<const float> dct_cosines(int side);
 
-/// coefficients[v][u] = C samples C^T: u frequency along rows, v along columns. Both of side * side values; they may be
-/// the same.
+/// Computes coefficients[v][u] = C samples C^T: u is the frequency along rows, v along columns. Both spans have side *
+/// side values and may be the same.
 void forward_dct(int side, std::span<const float> samples, std::span<float> coefficients);
-/// Zeros beyond the lowest rows and columns of coefficients cost nothing.
+/// Zeros beyond the lowest rows and columns of coefficients take no time.
 void inverse_dct(int side, std::span<const float> coefficients, std::span<float> samples);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads numbers from bytes of strangers: little-endian, and variable lengths of seven bits a byte, the lowest first.
-// Beyond the end, and from the first number that is wrong, all reads give 0 and `failed` is true.
+// Reads numbers from untrusted bytes: little-endian numbers, and variable lengths of seven bits per byte, the lowest
+// bits first. Beyond the end, and from the first invalid number on, all reads return 0 and `failed` is true.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class ByteReader {
     return failed_ ? std::uint8_t{0} : bytes_[next_++];
   }
 
-  /// An unsigned number of `count` bytes, at most 8.
+  /// Returns an unsigned number of `count` bytes, at most 8.
   std::uint64_t fixed(int count) {
     std::uint64_t value = 0;
     for (int i = 0; i < count; ++i) value |= std::uint64_t{byte()} << (8 * i);
@@ -26,7 +26,7 @@ class ByteReader {
 
   std::int16_t int16() { return static_cast<std::int16_t>(fixed(2)); }
 
-  /// At most `most`; up to nine bytes.
+  /// Returns a number of at most `most`, stored in up to nine bytes.
   std::uint64_t number(std::uint64_t most) {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 63; shift += 7) {

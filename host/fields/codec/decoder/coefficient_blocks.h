@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quantized coefficients of an image's blocks, three planes; blocks of zeros, nearly all of them, take no memory.
+// Holds quantized coefficients of an image's blocks in three planes. Blocks of zeros, the great majority, take no
+// memory.
 #pragma once
 
 #include <array>
@@ -18,19 +19,19 @@ class CoefficientBlocks {
   CoefficientBlocks(std::size_t block_count, std::size_t block_values)
       : block_count_(block_count), block_values_(block_values) {}
 
-  /// Empty: all zero.
+  /// Returns a block's values. Empty: all zero.
   std::span<const std::int16_t> block(std::size_t plane, std::size_t number) const {
     if (begins_[plane].empty() || begins_[plane][number] < 0) return {};
     const auto begin = begins_[plane][number];
     return {values_.data() + begin, block_values_};
   }
 
-  /// The block's values, to be set; zeros where they are new. Valid until the next call.
+  /// Returns a block's values for writing; new values are zero. The span is valid until the next call.
   std::span<std::int16_t> make(std::size_t plane, std::size_t number) {
     if (begins_[plane].empty()) begins_[plane].assign(block_count_, -1);
     auto& begin = begins_[plane][number];
     if (begin < 0) {
-      begin = static_cast<std::int32_t>(values_.size());  // fits: an image has at most 2^28 texels, three planes
+      begin = static_cast<std::int32_t>(values_.size());  // fits: an image has at most 2^28 texels and three planes
       values_.resize(values_.size() + block_values_);
     }
     return {values_.data() + begin, block_values_};
@@ -40,13 +41,13 @@ class CoefficientBlocks {
   bool has_plane(std::size_t plane) const { return !begins_[plane].empty(); }
   std::size_t block_count() const { return block_count_; }
 
-  /// Bytes held, rooms for values to come included.
+  /// Returns the bytes held, including reserved room.
   std::size_t memory_bytes() const {
     std::size_t bytes = values_.capacity() * sizeof(std::int16_t);
     for (const auto& begins : begins_) bytes += begins.capacity() * sizeof(std::int32_t);
     return bytes;
   }
-  /// Gives back room that no value needs.
+  /// Frees reserved room that no value uses.
   void shrink() { values_.shrink_to_fit(); }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contexts by several small indices: ContextTable<2, 3> has contexts [0..1][0..2].
+// Defines contexts with several small indices: ContextTable<2, 3> has contexts [0..1][0..2].
 #pragma once
 
 #include <array>

@@ -67,12 +67,12 @@ bool DctStreamDecoder::add_plane(CoefficientBlocks& image, const CoefficientBloc
     if (!has_any && parent != nullptr) continue;
     bool any_yet = false;
     for (const std::size_t number : groups_.blocks(group)) {
-      // Three times: a vector that grows holds its old and its new room, twice as large, for a moment.
+      // The factor is 3 because a growing vector briefly holds its old storage and a new one of twice the size.
       if (account_ != nullptr && account_->is_over(3 * image.memory_bytes())) return false;
       const bool is_only = !any_yet && number == groups_.blocks(group).back();
       const bool is_coded =
           has_any && syntax_.block(coder_, values, surroundings(image, parent, grid_, plane, number, level), is_only);
-      if (port_.exhausted()) return false;  // of this block something may be made up
+      if (port_.exhausted()) return false;  // parts of this block may be made up
       any_yet |= is_coded;
       if (!is_coded && parent != nullptr) continue;
       if (parent == nullptr)
@@ -97,7 +97,8 @@ CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, 
 
 namespace {
 
-/// The block's samples of a plane of the images' sum. False: nothing but zeros, `samples` are left alone.
+/// Computes the block's samples in a plane of the images' sum. Returns false if all are zero; `samples` is then not
+/// changed.
 bool summed_block(std::span<const WeighedImage> images, const BlockGrid& grid, std::size_t plane, std::size_t number,
                   std::span<const float> steps, std::span<float> samples) {
   bool is_zero = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes the images of a pyramid over parameters from one stream: cosine coefficients of square blocks (dct_syntax.h),
-// and samples from them. Image after image shares contexts, so a stream is decoded from its begin; an image's samples
-// are made only when they are wanted.
+// Decodes the images of a pyramid over parameters from one stream: first cosine coefficients of square blocks
+// (dct_syntax.h), then samples. All images share contexts, so a stream is decoded from its beginning. An image's
+// samples are computed only on request.
 #pragma once
 
 #include <cstddef>
@@ -12,26 +12,26 @@
 
 namespace multum {
 
-/// Blocks of an image, rows of blocks after one another; those at the right and lower borders reach beyond it.
+/// The blocks of an image, row by row. Blocks at the right and lower borders extend beyond the image.
 struct BlockGrid {
   std::size_t width = 1, height = 1;  // samples
-  std::size_t side = 16;              // of a block: 8, 16 or 32
+  std::size_t side = 16;              // side of a block: 8, 16 or 32
 
   std::size_t columns() const { return (width + side - 1) / side; }
   std::size_t rows() const { return (height + side - 1) / side; }
   std::size_t count() const { return columns() * rows(); }
 };
 
-/// The groups in which blocks are coded, 4 x 4 of them, fewer at the right and lower borders; rows of groups after one
-/// another. Most groups of most images have nothing.
+/// Groups of 4 x 4 blocks in which blocks are coded, row by row; groups at the right and lower borders are smaller.
+/// Most groups of most images are empty.
 class BlockGroups {
  public:
   explicit BlockGroups(const BlockGrid& grid);
 
   std::size_t count() const { return numbers_.size(); }
-  /// Numbers of a group's blocks, row by row.
+  /// Returns the numbers of a group's blocks, row by row.
   std::span<const std::size_t> blocks(std::size_t group) const { return numbers_[group]; }
-  /// What of `image` is around a group; `parent` and `before`, the image coded before it, may be null.
+  /// Returns the surroundings of a group in `image`. `parent`, and the previously coded image `before`, may be null.
   GroupSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent,
                                  const CoefficientBlocks* before, std::size_t plane, std::size_t group,
                                  std::size_t level) const;
@@ -45,17 +45,17 @@ class BlockGroups {
   std::vector<std::vector<std::size_t>> numbers_;
 };
 
-/// What of `image` is around its block `number` of `plane`; `parent` may be null.
+/// Returns the surroundings of block `number` in `plane` of `image`. `parent` may be null.
 BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
                                std::size_t plane, std::size_t number, std::size_t level);
 
-/// The constant that a block of an image without a parent is written against: the mean of those to the left and above,
-/// where these are there.
+/// Returns the prediction of a block's constant in an image without a parent: the mean of the constants to the left and
+/// above, as far as these blocks exist.
 int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::size_t number);
 
 class DctStreamDecoder {
  public:
-  /// The bytes must outlive the decoder, and so must the limits.
+  /// The bytes and the limits must outlive the decoder.
   DctStreamDecoder(const BlockGrid& grid, std::span<const std::uint8_t> bytes, DecodingAccount* account = nullptr)
       : grid_(grid),
         groups_(grid),
@@ -66,15 +66,15 @@ class DctStreamDecoder {
   DctStreamDecoder(const DctStreamDecoder&) = delete;
   DctStreamDecoder& operator=(const DctStreamDecoder&) = delete;
 
-  /// The stream's next image. `parent`: an image decoded before, which it refines; null for one that refines none.
-  /// `before`: the one decoded last; null for the first. From where the stream ends, or limits stop it, all is zero.
+  /// Decodes the stream's next image. `parent`: an earlier image that this image refines, or null. `before`: the image
+  /// decoded last, or null for the first. After the stream's end, or when limits stop it, all coefficients are zero.
   CoefficientBlocks next_image(const CoefficientBlocks* parent, const CoefficientBlocks* before, std::size_t level);
 
   /// The stream ended before its images did.
   bool exhausted() const { return port_.exhausted(); }
 
  private:
-  /// False where the stream ended, or limits stopped it.
+  /// Returns false if the stream ended or a limit stopped it.
   bool add_plane(CoefficientBlocks& image, const CoefficientBlocks* parent, const CoefficientBlocks* before,
                  std::size_t plane, std::size_t level);
 
@@ -87,15 +87,15 @@ class DctStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// An image and what it is multiplied by.
+/// An image and its factor.
 struct WeighedImage {
   const CoefficientBlocks* image;
   float scale;
 };
 
-/// Adds the images' sum to `colours`, [height][width][3]: inverse transforms of coefficients times `steps`, one for
-/// each place of a block, plane p times row p of `rows`. Images are added before they are transformed, once for all;
-/// blocks of zeros take no time.
+/// Adds the images' sum to `colours`, [height][width][3]. Multiplies coefficients by `steps`, one per place of a block,
+/// and transforms them back; plane p goes to the colours of row p of `rows`. Adds images before the transform, so that
+/// one transform serves all. Blocks of zeros take no time.
 void add_colours(std::span<const WeighedImage> images, const BlockGrid& grid, std::span<const float> steps,
                  const std::array<std::array<float, 3>, 3>& rows, std::span<float> colours);
 

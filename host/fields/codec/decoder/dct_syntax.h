@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the quantized cosine coefficients of an image's blocks, 4 x 4 of them together: a group. A group: whether any
-// of its blocks has any; then its blocks. A block: whether it has any; for each band from the lowest whether it has
-// any; in such a band each coefficient's significance, magnitude and sign. Band 0 is the constant, band k the
-// frequencies whose larger index lies in [2^(k-1), 2^k):
+// Codes the quantized cosine coefficients of an image's blocks in groups of 4 x 4 blocks. A group has a flag whether
+// any of its blocks has values; if so, its blocks follow. A block has such a flag too, and one for each band from the
+// lowest. A band with values has the significance, magnitude and sign of each coefficient. Band 0 is the constant. Band
+// k has the frequencies whose larger index is in [2^(k-1), 2^k):
 //
 //      0 1 2 2 3 ...      u
 //      1 1 2 2 3
-//      2 2 2 2 3          Contexts: what the blocks to the left and above, the same block of the coarser image of the
-//      2 2 2 2 3          pyramid, the same block of luma, and neighbouring lower frequencies have.
+//      2 2 2 2 3          Contexts: the values of the blocks to the left and above, of the same block in the
+//      2 2 2 2 3          pyramid's coarser image, of the same block of luma, and of neighbouring lower frequencies.
 //      3 3 3 3 3
 //      v
 #pragma once
@@ -22,40 +22,40 @@
 
 namespace multum {
 
-/// What has been coded around a block; a span is empty where that has only zeros or is not there.
+/// The coded blocks around a block. An empty span means only zeros, or a missing block.
 struct BlockSurroundings {
   std::span<const std::int16_t> left, up, parent, luma;
   bool has_parent = false;
   std::size_t plane = 0;  // 0: luma
-  std::size_t level = 0;  // of the pyramid, the coarsest 0
+  std::size_t level = 0;  // level of the pyramid; 0 is the coarsest
 };
 
-/// What has been coded around a group of blocks.
+/// The coded groups around a group of blocks.
 struct GroupSurroundings {
-  std::size_t beside = 0;  // of the groups to the left and above, how many have something
+  std::size_t beside = 0;  // number of groups to the left and above with values: 0 to 2
   bool has_parent = false;
-  bool parent = false, before = false, luma = false;  // the same group of these has something
-  std::size_t plane = 0, level = 0;                   // as a block has them
+  bool parent = false, before = false, luma = false;  // whether the same group there has values
+  std::size_t plane = 0, level = 0;                   // as in BlockSurroundings
 };
 
 class DctSyntax {
  public:
-  /// `side` as is_dct_side has it.
+  /// `side`: one that is_dct_side() accepts.
   explicit DctSyntax(int side) : side_(static_cast<std::size_t>(side)), band_count_(std::bit_width(side_)) {
     for (std::size_t v = 0; v < side_; ++v)
       for (std::size_t u = 0; u < side_; ++u) {
         const std::size_t band = std::bit_width(std::max(u, v));
         order_[band].push_back(static_cast<std::uint16_t>(v * side_ + u));
       }
-    for (auto& band : order_)  // by rising frequency, so that lower neighbours come first
+    for (auto& band : order_)  // ascending frequency, so that lower neighbours come first
       std::stable_sort(band.begin(), band.end(), [this](auto a, auto b) { return frequency(a) < frequency(b); });
   }
 
   std::size_t band_count() const { return band_count_; }
-  /// Places of band k, v * side + u.
+  /// Returns the places v * side + u of band k.
   std::span<const std::uint16_t> band(std::size_t k) const { return order_[k]; }
 
-  /// Whether any block of a group is coded.
+  /// Codes whether any block of a group is coded.
   template <class Port>
   bool group(SymbolCoder<Port>& coder, bool any, const GroupSurroundings& around) {
     const std::size_t chroma = around.plane > 0 ? 1 : 0, level = std::min<std::size_t>(around.level, 3);
@@ -66,8 +66,8 @@ class DctSyntax {
                      group_mixer_[chroma]);
   }
 
-  /// `values` of side * side: written, or read into; then all zero before. Returns whether any is coded; with
-  /// `is_coded` that is known to be so.
+  /// Codes `values`, side * side of them; when decoding, they must be zero before. Returns whether any value is coded.
+  /// `is_coded`: this is already known.
   template <class Port>
   bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around,
              bool is_coded = false) {
@@ -95,7 +95,7 @@ class DctSyntax {
                             &band_c_[around.plane][k][has_band(around.luma, k) ? 1 : 0][level]},
                            band_mixer_[chroma][k]);
       } else {
-        has[k] = true;  // some band has something
+        has[k] = true;  // some band has values
       }
       if (has[k]) coefficients(coder, values, around, k);
       before |= has[k];
@@ -105,7 +105,7 @@ class DctSyntax {
 
  private:
   static constexpr std::size_t kBands = 6;
-  static constexpr int kUnary = 14;  // magnitudes above are written as a number
+  static constexpr int kUnary = 14;  // larger magnitudes are written as a number
 
   std::size_t frequency(std::size_t place) const { return place / side_ + place % side_; }
 
@@ -117,7 +117,7 @@ class DctSyntax {
     return values.empty() ? 0 : static_cast<std::size_t>(std::abs(values[at]));
   }
 
-  /// Magnitudes of lower frequencies beside the place, the nearest doubly.
+  /// Returns the sum of the magnitudes of adjacent lower frequencies; the nearest counts twice.
   std::size_t lower_neighbours(std::span<const std::int16_t> values, std::size_t at) const {
     const std::size_t u = at % side_, v = at / side_;
     std::size_t sum = 0;

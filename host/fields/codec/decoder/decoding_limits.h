@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits what decoding a chunk may take: a few bytes of a stranger's can ask for gigabytes of coefficients and minutes
-// of time.
+// Limits the memory and time for decoding a chunk. A few untrusted bytes could otherwise ask for gigabytes of
+// coefficients and minutes of time.
 #pragma once
 
 #include <atomic>
@@ -10,22 +10,22 @@
 namespace multum {
 
 struct DecodingLimits {
-  /// Of coefficients, those that are needed only while decoding included; a chunk that has more is refused.
+  /// Most bytes of coefficients, including those needed only while decoding. A chunk that needs more is refused.
   std::size_t bytes_max = SIZE_MAX;
-  /// Looked at in every block; true: decoding ends at once. Null: never.
+  /// Checked in every block; true: decoding ends at once. Null: never.
   const std::atomic<bool>* cancelled = nullptr;
-  /// Becomes true when bytes_max was too little. Null: nobody asks.
+  /// Set to true if bytes_max was too small. Null: not needed.
   bool* ran_out = nullptr;
 };
 
-/// What one decoding takes of its limits.
+/// Tracks how much one decoding uses of its limits.
 class DecodingAccount {
  public:
   explicit DecodingAccount(const DecodingLimits& limits) : limits_(limits) {}
 
-  /// Bytes of images that are decoded.
+  /// Sets the bytes of images that are already decoded.
   void set_kept(std::size_t bytes) { kept_ = bytes; }
-  /// Whether so many bytes more of the image at hand are too many, or it is cancelled; from then on always.
+  /// Returns whether the current image's bytes exceed the limit, or the decoding is cancelled. Stays true afterwards.
   bool is_over(std::size_t image_bytes) {
     has_no_room_ = has_no_room_ || image_bytes > limits_.bytes_max || kept_ > limits_.bytes_max - image_bytes;
     if (has_no_room_ && limits_.ran_out != nullptr) *limits_.ran_out = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the mip levels of a texture from its finest, which is all that a chunk stores: each level the box-filtered mean
-// of the next finer one, in linear radiance. Level l has max(1, W >> l) by max(1, H >> l) texels; where a side is odd,
-// each coarse texel covers n / floor(n / 2) fine ones and weighs them by what it covers.
+// Makes the mip levels of a texture from its finest level, the only one that a chunk stores. Each level is the
+// box-filtered mean of the next finer one, in linear radiance. Level l has max(1, W >> l) by max(1, H >> l) texels. If
+// a side is odd, each coarse texel covers n / floor(n / 2) fine texels, weighted by the covered part.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,14 @@
 
 namespace multum {
 
-/// Texels of all levels, down to 1 x 1.
+/// Returns the number of texels of all levels, down to 1 x 1.
 std::size_t mip_texel_count(std::size_t width, std::size_t height);
 
-/// All levels, the finest first, [texel][3]; `finest`: [height][width][3].
+/// Returns all levels, the finest first, [texel][3]; `finest`: [height][width][3].
 std::vector<float> mip_levels(std::size_t width, std::size_t height, std::span<const float> finest);
 
-/// The adjoint: values of all levels, [texel][channels], handed down to the finest by the weights that it has in them.
+/// Applies the adjoint: adds values of all levels, [texel][channels], to the finest level by the weights of
+/// mip_levels().
 std::vector<float> handed_down(std::size_t width, std::size_t height, std::size_t channels, std::vector<float> levels);
 
 }  // namespace multum

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {'M', 'P', 'T', 'F'};
 constexpr std::size_t kChecksumBytes = 4;
-constexpr std::size_t kSectionBytesLeast = 4 + kChecksumBytes;  // of the index, for each
+constexpr std::size_t kSectionBytesLeast = 4 + kChecksumBytes;  // index bytes per section
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::optional<std::size_t> PackedIndex::bytes_needed(std::span<const std::uint8_
   ByteReader reader(head);
   const auto magic = reader.bytes(kMagic.size());
   if (reader.failed() || !std::equal(magic.begin(), magic.end(), kMagic.begin())) {
-    problem = "no packed field: it does not begin with MPTF";
+    problem = "not a packed field: it does not begin with MPTF";
     return {};
   }
   const std::uint8_t version = reader.byte();
@@ -57,7 +57,7 @@ std::optional<PackedIndex> PackedIndex::read(std::span<const std::uint8_t> begin
   PackedIndex index;
   index.file_bytes_ = *needed;
   const std::uint64_t count = reader.number(kIndexBytesMax);
-  if (count > reader.left() / kSectionBytesLeast) return refuse("the index has fewer sections than it says");
+  if (count > reader.left() / kSectionBytesLeast) return refuse("the index has fewer sections than its count says");
   for (std::uint64_t i = 0; i < count; ++i) {
     PackedSection section;
     section.kind = static_cast<std::uint32_t>(reader.number(kNumberMax));

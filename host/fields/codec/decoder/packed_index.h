@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the index of a packed field, NAME.mpt: which sections there are, and where, so that one block can be fetched by
-// its range of bytes.
+// Reads the index of a packed field, NAME.mpt. The index lists the sections and their positions, so that a reader can
+// fetch one block by its byte range.
 //
 //      "MPTF"      4 bytes
 //      version     1 byte: 2
@@ -21,34 +21,34 @@ namespace multum {
 
 enum class SectionKind : std::uint32_t {
   kDescription = 0,  // of the field
-  kChunk = 1,        // textures: of a layer over a block
+  kChunk = 1,        // textures of a layer over a block
 };
 
 struct PackedSection {
-  std::uint32_t kind = 0;  // a SectionKind, or one of later versions, to be passed over
+  std::uint32_t kind = 0;  // a SectionKind, or an unknown kind of a later version, which is skipped
   std::uint32_t layer = 0, block = 0;
-  std::uint64_t offset = 0, length = 0;  // in the file, bytes
+  std::uint64_t offset = 0, length = 0;  // position in the file, bytes
   std::uint32_t checksum = 0;
 };
 
 class PackedIndex {
  public:
-  static constexpr std::uint8_t kVersion = 2;  // 1 had no groups of blocks and was not released
+  static constexpr std::uint8_t kVersion = 2;  // version 1 had no groups of blocks and was not released
   static constexpr std::size_t kHeadBytes = 9;
   static constexpr std::size_t kIndexBytesMax = std::size_t{1} << 26;
   static constexpr std::uint64_t kSectionBytesMax = std::uint64_t{1} << 32;
 
-  /// How many bytes of the file's begin `read` needs, from the first kHeadBytes. Nothing for another format or version;
-  /// `problem` then says what was found.
+  /// Returns how many bytes from the file's beginning `read` needs, computed from the first kHeadBytes. Returns nullopt
+  /// for another format or version, and sets `problem` to the format or version found.
   static std::optional<std::size_t> bytes_needed(std::span<const std::uint8_t> head, std::string& problem);
 
-  /// From at least so many bytes of the file's begin. Nothing where they are damaged: `problem` then says how.
+  /// Reads the index from at least bytes_needed() bytes. Returns nullopt if they are damaged, and sets `problem`.
   static std::optional<PackedIndex> read(std::span<const std::uint8_t> begin, std::string& problem);
 
   const std::vector<PackedSection>& sections() const { return sections_; }
-  /// Null when there is none; the first, should there be several.
+  /// Returns the first matching section, or null.
   const PackedSection* find(SectionKind kind, std::uint32_t layer, std::uint32_t block) const;
-  /// Bytes that the whole file has.
+  /// Returns the size of the whole file in bytes.
   std::uint64_t file_bytes() const { return file_bytes_; }
 
  private:
@@ -56,7 +56,7 @@ class PackedIndex {
   std::uint64_t file_bytes_ = 0;
 };
 
-/// Whether `bytes` are the section's, undamaged.
+/// Returns whether `bytes` are the section's undamaged bytes.
 bool is_intact(const PackedSection& section, std::span<const std::uint8_t> bytes);
 
 }  // namespace multum

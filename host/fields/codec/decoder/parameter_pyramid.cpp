@@ -6,7 +6,7 @@
 namespace multum {
 namespace {
 
-constexpr std::uint8_t kHalvingsMax = 16;  // 2^16 samples are all there may be
+constexpr std::uint8_t kHalvingsMax = 16;  // no grid has more than 2^16 samples
 
 std::size_t halved(std::size_t size, std::size_t times) { return ((size - 1) >> times) + 1; }
 
@@ -87,7 +87,8 @@ std::vector<ParameterPyramid::Term> ParameterPyramid::terms(std::size_t level, s
   std::vector<Term> terms = {{0, 1.0f}};
   for (std::size_t d = 0; d < sizes_.size(); ++d) {
     const std::size_t count = cells(level, d), times = levels_[level][d];
-    const auto middle = [&](std::size_t cell) {  // of the samples in it, which at the end may be fewer
+    // Middle of the samples in the cell; the last cell may have fewer samples.
+    const auto middle = [&](std::size_t cell) {
       const std::size_t first = cell << times, end = std::min(sizes_[d], (cell + 1) << times);
       return (static_cast<float>(first) + static_cast<float>(end - 1)) / 2.0f;
     };

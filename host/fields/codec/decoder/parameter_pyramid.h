@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): which
-// images there are, and which of them add up to a sample. A level halves some dimensions of the next finer one, each as
-// often as it likes, so dimensions may be halved in any order, and levels be left out. Any number of dimensions and
-// sizes: of 5 samples, halved, 3 are left, the last of them for one sample alone.
+// The adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): its images,
+// and the images that add up to each sample. A level halves some dimensions of the next finer level, each any number of
+// times. Dimensions can therefore be halved in any order, and levels can be left out. Any number of dimensions and any
+// sizes are allowed: halving 5 samples gives 3, the last of which covers one sample only.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class ParameterPyramid {
  public:
   static constexpr std::size_t kDimensionsMax = 8, kLevelsMax = 32, kSamplesMax = 65536;
 
-  /// How often each dimension is halved.
+  /// The number of halvings per dimension.
   using Halvings = std::vector<std::uint8_t>;
 
   /// An image and its share in a sample.
@@ -25,9 +25,9 @@ class ParameterPyramid {
     float weight;
   };
 
-  /// `sizes`: samples along each dimension, 1 to kSamplesMax in all. `levels`: the coarsest first, each halving no
-  /// dimension more than the one before and some dimension less; the last halves none. Nothing where that does not
-  /// hold.
+  /// `sizes`: samples along each dimension, 1 to kSamplesMax in total. `levels`: the coarsest first; the last level
+  /// halves nothing. Compared with the level before, each level halves at least one dimension less often and no
+  /// dimension more often. Returns nullopt if the levels break these rules.
   static std::optional<ParameterPyramid> of(std::vector<std::size_t> sizes, std::vector<Halvings> levels);
 
   std::size_t level_count() const { return levels_.size(); }
@@ -36,19 +36,20 @@ class ParameterPyramid {
   const std::vector<std::size_t>& sizes() const { return sizes_; }
   const std::vector<Halvings>& levels() const { return levels_; }
 
-  /// Images are numbered level by level, the coarsest first; within a level the last dimension runs fastest, as
-  /// samples.
+  /// Returns the number of a level's first image. Images are numbered level by level, the coarsest first. Within a
+  /// level they are in the order of samples: the last dimension changes fastest.
   std::size_t first_image(std::size_t level) const { return first_image_[level]; }
   std::size_t level_of(std::size_t image) const;
-  /// Of the level, that whose cell the sample lies in.
+  /// Returns the image of a level whose cell contains the sample.
   std::size_t image_of(std::size_t level, std::size_t sample) const;
-  /// Of the next coarser level, that whose cell the image's lies in; none for the coarsest.
+  /// Returns the image of the next coarser level whose cell contains this image's cell; nullopt for the coarsest.
   std::optional<std::size_t> parent_of(std::size_t image) const;
-  /// Samples in the image's cell, rising.
+  /// Returns the samples in the image's cell, ascending.
   std::vector<std::size_t> samples_of(std::size_t image) const;
 
-  /// What adds up to the sample from the level: the nearest image, or the images between whose cells' middles it lies
-  /// (linear in each dimension; beyond the outermost middles the outermost alone). Weights sum to 1.
+  /// Returns the level's images that add up to the sample. Without `linear` this is the nearest image. With `linear`
+  /// the sample is between the cell centres of these images, in each dimension. Outside the outermost centres it is
+  /// only the outermost image. Weights sum to 1.
   std::vector<Term> terms(std::size_t level, std::size_t sample, bool linear) const;
 
  private:

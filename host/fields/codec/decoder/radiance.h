@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiance of the gamma-coded values that chunks hold: value 255 is a radiance of 1, the exponent 2.2. Computed as
-// x^2 x^(1/5), the root by a guess from the float's bits and two steps of Halley's method, r (2 r^5 + 3 x) / (3 r^5 +
-// 2 x): within 6e-7 of the power, two thousand times less than a half's steps. Only +, *, / and bits: the same in every
-// browser and library, and loops of it become vector instructions, where pow takes half of a texture's decoding.
+// Converts the gamma-coded values of chunks to radiance: value 255 is a radiance of 1, the exponent is 2.2. Computes
+// x^2 x^(1/5). The root is a guess from the float's bits with two steps of Halley's method, r (2 r^5 + 3 x) / (3 r^5 +
+// 2 x). The error is within 6e-7, two thousand times less than a step of a half float. The code uses only +, *, / and
+// bits, so that all browsers and libraries agree. Its loops become vector instructions, while pow would take half of a
+// texture's decoding time.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +12,16 @@
 
 namespace multum {
 
-/// At least 0. Values beyond 1e4 times 255 count as that, and what is not a number may: far more than a half holds.
+/// Returns a radiance of at least 0. Values beyond 1e4 times 255, and possibly NaN, count as this limit, which is far
+/// more than a half float holds.
 inline float radiance_of(float value) {
-  // Below 1e-12 the radiance is 4e-27 or less, a half's 0; so the root is of a number that is neither 0 nor subnormal.
-  // Bits of floats are in their order, and compilers make no branches of comparing them.
+  // Below 1e-12 the radiance is at most 4e-27, which is 0 as a half float. The root's argument is then never 0 or
+  // subnormal. Positive floats have the order of their bits, and comparisons of bits compile without branches.
   constexpr auto kLeast = std::bit_cast<std::int32_t>(1e-12f), kMost = std::bit_cast<std::int32_t>(1e4f);
   const std::int32_t bits = std::min(std::max(std::bit_cast<std::int32_t>(value * (1.0f / 255.0f)), kLeast), kMost);
   const auto x = std::bit_cast<float>(bits);
-  // A fifth of the logarithm: the exponent's bias times 4/5 is added again. 0x32cccccc would be exact at powers of 32.
+  // A fifth of the logarithm; the constant restores 4/5 of the exponent's bias. 0x32cccccc would be exact at powers of
+  // 32.
   const float fifth = static_cast<float>(bits) * 0.2f;
   float r = std::bit_cast<float>(static_cast<std::int32_t>(fifth) + 0x32c80000);
   for (int step = 0; step < 2; ++step) {

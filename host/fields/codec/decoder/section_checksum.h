@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checksum of a packed file's sections: the lower 32 bits of CRC-64/XZ, the project's checksum
-// (host/foundation/base/files), computed without the libraries that it needs there.
+// Computes the checksum of a packed file's sections: the lower 32 bits of CRC-64/XZ, as in host/foundation/base/files,
+// without the libraries needed there.
 #pragma once
 
 #include <array>

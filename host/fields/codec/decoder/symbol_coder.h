@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes binary symbols with their contexts, which the formats of this room are written in. A format is one function
-// template over a coder, so that encoder, decoder and estimates of sizes cannot differ: each call takes the symbol to
-// be written and returns the symbol that holds; a decoder ignores what it is given.
+// Codes binary symbols with their contexts; the formats of this folder are written with it. A format is one function
+// template over a coder, so that encoder, decoder and size estimates cannot differ. Each call takes the symbol to write
+// and returns the actual symbol. A decoder ignores its argument.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace multum {
 
-/// Gives symbols their probabilities and hands them to `Port`, `bool Port::code(bool, probability)`. With
-/// Port::kDecodes what is given to be written is not looked at.
+/// Passes symbols with their probabilities to `Port`, `bool Port::code(bool, probability)`. If Port::kDecodes is set,
+/// the symbols to write are ignored.
 template <class Port>
 class SymbolCoder {
  public:
@@ -28,7 +28,7 @@ class SymbolCoder {
     return coded;
   }
 
-  /// Of two to four contexts; `mixer` may serve several calls.
+  /// Codes a bit with two to four contexts. Several calls can share `mixer`.
   bool bit(bool value, std::initializer_list<AdaptiveBit*> contexts, BitMixer& mixer) {
     std::array<int, BitMixer::kInputsMax> odds{};
     std::size_t n = 0;
@@ -43,10 +43,11 @@ class SymbolCoder {
     return coded;
   }
 
-  /// A symbol of which nothing is known.
+  /// Codes a bit with equal probabilities.
   bool even_bit(bool value) { return port_.code(value, 32768); }
 
-  /// An integer of at least 0 below 2^16: its length in bits, unary in `contexts`, then the bits below the first.
+  /// Codes an integer of at least 0 and below 2^16: its bit length in unary with `contexts`, then the bits after the
+  /// first.
   std::uint32_t number(std::uint32_t value, std::span<AdaptiveBit, 17> contexts) {
     std::uint32_t length = 0, above = value + 1;  // 1 to 2^16
     while (above >> length > 1) ++length;
@@ -61,7 +62,7 @@ class SymbolCoder {
   Port& port_;
 };
 
-/// Takes symbols from bytes.
+/// Reads symbols from bytes.
 class DecodingPort {
  public:
   static constexpr bool kLearns = true, kDecodes = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a texture chunk: first the coefficients of all its images, then, as they are asked for, single images or the
-// textures of single samples. C++20 and its library alone; no file is touched, and no bytes make it throw but
+// Decodes a texture chunk: first the coefficients of all images, then single images or the textures of single samples
+// on request. Uses only C++20 and its standard library, and touches no file. For any input, it throws only
 // std::bad_alloc.
 #pragma once
 
@@ -15,35 +15,35 @@ namespace multum {
 
 class TextureChunk {
  public:
-  /// Nothing where the head is wrong: `problem` then says how. Of a chunk cut short behind its head, what is there
-  /// counts.
+  /// Returns null if the head is invalid, and sets `problem`. If the chunk is cut short after its head, the available
+  /// part counts.
   static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem) {
     return decode(bytes, problem, {});
   }
-  /// Nothing also where limits are exceeded, or it was cancelled.
+  /// Also returns null if limits are exceeded or the decoding is cancelled.
   static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem,
                                               const DecodingLimits& limits);
 
   const TextureChunkFormat& format() const { return format_; }
   std::size_t sample_count() const { return plan_.of_samples.size(); }
 
-  /// The texture of a sample, [height][width][3]: red, green, blue as gamma-coded values, 255 for a radiance of 1, with
-  /// whatever error the coder left; not clamped.
+  /// Returns the texture of a sample, [height][width][3]: red, green, blue as gamma-coded values, 255 for a radiance of
+  /// 1. The values include the coding error and are not clamped.
   std::vector<float> texture(std::size_t sample) const;
 
-  /// Which images add up to a sample. texture(sample) is the format's offset_colour() plus the sum of its terms'
-  /// weights times image(), but for rounding.
+  /// Returns which images add up to each sample. Up to rounding, texture(sample) is the format's offset_colour() plus
+  /// the sum of its terms' weights times image().
   const ImagePlan& plan() const { return plan_; }
-  /// [height][width][3] in the units of texture(), without weight and offset. Takes as long whatever is in it: three
-  /// inverse transforms and a turn of colours, or nothing where is_zero().
+  /// Returns an image, [height][width][3], in the units of texture(), without weight and offset. The time does not
+  /// depend on the values: three inverse transforms and a colour rotation, or nothing if is_zero().
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
-  /// The sum of a sample's images, weighed: the texture without the offset, for the price of one image.
+  /// Returns the weighted sum of a sample's images, which is the texture without the offset, at the cost of one image.
   std::vector<float> image_sum(std::size_t sample) const;
-  /// Bytes of coefficients.
+  /// Returns the bytes of coefficients.
   std::size_t memory_bytes() const;
 
-  /// The bytes ended before the images did.
+  /// Returns whether the bytes ended before the images did.
   bool was_cut_short() const { return was_cut_short_; }
 
  private:
@@ -53,17 +53,17 @@ class TextureChunk {
 
   bool decode_cosines(std::span<const std::uint8_t> coded, DecodingAccount& account);
   bool decode_wavelets(std::span<const std::uint8_t> coded, DecodingAccount& account);
-  /// The sum of these images, weighed, added to `colours`.
+  /// Adds the weighted sum of these images to `colours`.
   void add_colours(std::span<const ParameterPyramid::Term> terms, std::span<float> colours) const;
 
   TextureChunkFormat format_;
   ImagePlan plan_;
-  std::vector<CoefficientBlocks> dct_images_;  // one of these two has the images
+  std::vector<CoefficientBlocks> dct_images_;  // the images are in one of these two
   std::vector<SparseImage> wavelet_images_;
   bool was_cut_short_ = false;
 };
 
-/// The reverse of radiance_of(); 0 below 0.
+/// Inverts radiance_of(); returns 0 below 0.
 float gamma_coded(float radiance);
 
 }  // namespace multum

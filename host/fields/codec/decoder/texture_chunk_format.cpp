@@ -100,7 +100,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   if (format.width < 1 || format.height < 1) return refuse("a texture's sides are not 1 to 16384 texels");
   const std::size_t dimensions = reader.byte(), levels = reader.byte();
   if (dimensions < 1 || dimensions > ParameterPyramid::kDimensionsMax)
-    return refuse("the block has no dimension or above 8");
+    return refuse("the block has no dimension, or more than 8");
   std::size_t samples = 1;
   for (std::size_t d = 0; d < dimensions; ++d) {
     format.sizes.push_back(reader.number(ParameterPyramid::kSamplesMax));
@@ -109,7 +109,8 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   }
   if (samples * levels << (format.linear ? dimensions : 0) > TextureChunkFormat::kTermsMax)
     return refuse("the samples are sums of more than 2^22 images together");
-  if (levels < 1 || levels > TextureChunkFormat::kBasisMax) return refuse("the chunk has no image, or above 64 levels");
+  if (levels < 1 || levels > TextureChunkFormat::kBasisMax)
+    return refuse("the chunk has no image, or more than 64 levels");
   for (std::size_t l = 0; l < levels; ++l) {
     if ((kind & 4) != 0) {
       const auto weights = reader.bytes(samples);
@@ -124,14 +125,14 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   std::size_t images = levels;
   if ((kind & 4) == 0) {
     const auto pyramid = ParameterPyramid::of(format.sizes, format.levels);
-    if (!pyramid) return refuse("the levels are no pyramid over the block");
+    if (!pyramid) return refuse("the levels do not form a pyramid over the block");
     images = pyramid->image_count();
   }
   if (images > TextureChunkFormat::kTexelsMax / (format.width * format.height))
     return refuse("the images have more than 2^28 texels together");
   if (format.coder == ImageCoder::kDct) {
     format.side = reader.byte();
-    if (!is_dct_side(format.side)) return refuse("blocks are not of 8, 16 or 32 texels a side");
+    if (!is_dct_side(format.side)) return refuse("the side of blocks is not 8, 16 or 32 texels");
   }
   for (auto& part : format.rotation) part = reader.int16();
   for (auto& offset : format.offsets) offset = reader.int16();

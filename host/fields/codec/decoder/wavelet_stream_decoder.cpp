@@ -4,10 +4,10 @@
 namespace multum {
 namespace {
 
-/// Where in the interval that is left a coefficient is put: below its middle, as small values are the likelier ones.
+/// The reconstruction point within a coefficient's interval: below the middle, because small values are more likely.
 constexpr float kPlaceInInterval = 0.4f;
 
-/// Of a plane, a texel: magnitude, sign, lowest bit plane, and nodes of quadtrees, 4/3 of a byte.
+/// Bytes per texel of a plane: magnitude, sign, lowest bit plane, and quadtree nodes, which take 4/3 of a byte.
 constexpr std::size_t kDenseBytes = 8;
 
 /// Calls visit(place, band, value in steps) for every coefficient that is not zero.

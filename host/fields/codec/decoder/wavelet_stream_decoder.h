@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes the images of a pyramid over parameters from one stream of wavelet coefficients (wavelet_syntax.h), and makes
-// samples of them. Of a stream cut short every bit that is certain is used.
+// Decodes the images of a pyramid over parameters from one stream of wavelet coefficients (wavelet_syntax.h), and
+// computes their samples. If the stream is cut short, every certain bit is used.
 #pragma once
 
 #include "host/fields/codec/decoder/decoding_limits.h"
@@ -8,19 +8,19 @@
 
 namespace multum {
 
-/// Three planes; those without coefficients are empty.
+/// Three planes; planes without coefficients are empty.
 using WaveletImage = std::array<WaveletPlane, 3>;
 
 class WaveletStreamDecoder {
  public:
-  /// The bytes must outlive the decoder, and so must the limits.
+  /// The bytes and the limits must outlive the decoder.
   WaveletStreamDecoder(std::size_t width, std::size_t height, std::span<const std::uint8_t> bytes,
                        DecodingAccount* account = nullptr)
       : width_(width), height_(height), port_(bytes), coder_(port_), account_(account) {}
   WaveletStreamDecoder(const WaveletStreamDecoder&) = delete;
   WaveletStreamDecoder& operator=(const WaveletStreamDecoder&) = delete;
 
-  /// The stream's next image. `parent`: an image decoded before, which it refines; null for one that refines none.
+  /// Decodes the stream's next image. `parent`: an earlier image that this image refines, or null.
   WaveletImage next_image(const WaveletImage* parent);
 
   /// The stream ended before its images did.
@@ -34,8 +34,7 @@ class WaveletStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// The coefficients of a plane that are not zero: all that samples are made of, when no other image is decoded against
-/// the plane any more.
+/// The nonzero coefficients of a plane. Samples need only these, once no other image is decoded against the plane.
 class SparseWaveletPlane {
  public:
   SparseWaveletPlane() = default;
@@ -43,7 +42,7 @@ class SparseWaveletPlane {
 
   bool is_empty() const { return coefficients_.empty(); }
   std::size_t memory_bytes() const { return coefficients_.capacity() * sizeof(Coefficient); }
-  /// Adds the plane's coefficients, [height][width], as dequantized() has them.
+  /// Adds the plane's coefficients, [height][width], as dequantized() computes them.
   void add_coefficients(std::span<const float> steps, float scale, std::span<float> coefficients) const;
 
  private:
@@ -54,14 +53,14 @@ class SparseWaveletPlane {
   std::vector<Coefficient> coefficients_;
 };
 
-/// What an image takes while it is decoded.
+/// Returns the memory of an image while it is decoded.
 std::size_t dense_bytes(const WaveletImage& image);
 
-/// The plane's coefficients, [height][width]; nothing for an empty one. `steps`: of each band, in the order of
-/// wavelet_bands; times `scale`.
+/// Returns the plane's coefficients, [height][width]; nothing for an empty plane. `steps`: one per band, in the order
+/// of wavelet_bands, times `scale`.
 std::vector<float> dequantized(const WaveletPlane& plane, std::span<const float> steps, float scale);
 
-/// Adds the plane's samples to `samples`, width * height.
+/// Adds the plane's samples to `samples`, width * height values.
 void add_samples(const WaveletPlane& plane, std::span<const float> steps, float scale, std::span<float> samples);
 
 }  // namespace multum

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the quantized wavelet coefficients of a plane, bit plane after bit plane from the highest, so that
-// any prefix gives all coefficients to some precision: a pass that finds coefficients of the bit plane, and one that
-// refines those found in planes before. Finding goes down a quadtree over each band, whose node is significant when a
-// coefficient under it is (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image coding with a
-// set-partitioning embedded block coder"); contexts of a node are its neighbours, the node at its place in the next
-// coarser band, in the coarser image of the pyramid over parameters, and in luma (as embedded zero-block coding has it:
-// Hsiang and Woods 2000).
+// Codes the quantized wavelet coefficients of a plane, bit plane by bit plane from the highest. Every prefix then gives
+// all coefficients to some precision. Each bit plane has a pass that finds new coefficients, and a pass that refines
+// the coefficients found in earlier planes. The first pass descends a quadtree over each band; a node is significant if
+// a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image
+// coding with a set-partitioning embedded block coder"). Contexts of a node are its neighbours, and the nodes at its
+// place in the next coarser band, in the coarser image of the pyramid over parameters, and in luma (as in embedded
+// zero-block coding: Hsiang and Woods 2000).
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,8 @@
 
 namespace multum {
 
-/// Bits of one plane of an image, known so far, and the quadtrees over its bands. No bands: all zero, nothing known.
+/// The known bits of one plane of an image, and the quadtrees over its bands. Without bands all coefficients are zero
+/// and unknown.
 class WaveletPlane {
  public:
   static constexpr int kBitPlanes = 20;
@@ -32,8 +33,8 @@ class WaveletPlane {
   };
   struct Tree {
     WaveletBand band;
-    std::vector<Level> levels;  // 0: coefficients, the last a single node
-    int coarser = -1;           // the tree of the band of the same kind one level up
+    std::vector<Level> levels;  // 0: coefficients; the last level is a single node
+    int coarser = -1;           // the tree of the same kind of band, one level up
   };
 
   bool is_empty() const { return trees_.empty(); }
@@ -41,12 +42,12 @@ class WaveletPlane {
   std::vector<Tree>& trees() { return trees_; }
   const std::vector<Tree>& trees() const { return trees_; }
 
-  /// Magnitude, sign (1: negative), and the lowest bit plane known of a significant coefficient, [height][width].
+  /// Magnitude, sign (1: negative), and lowest known bit plane of each significant coefficient, [height][width].
   std::vector<std::uint32_t> magnitudes;
   std::vector<std::uint8_t> negative, known;
 
-  /// Calls visit(place) for each significant coefficient, row by row, until it returns false; false then. Few are:
-  /// words of bits are passed over at once.
+  /// Calls visit(place) for each significant coefficient, row by row, until visit returns false; then returns false.
+  /// Significant coefficients are rare, so whole words of bits are skipped.
   template <class Visit>
   bool over_found(Visit visit) const {
     for (std::size_t word = 0; word < found_.size(); ++word)
@@ -66,18 +67,18 @@ class WaveletPlane {
  private:
   std::size_t width_ = 0;
   std::vector<Tree> trees_;
-  std::vector<std::uint64_t> found_;  // a bit a coefficient: it is significant
+  std::vector<std::uint64_t> found_;  // one bit per coefficient: it is significant
 };
 
-/// What the encoder knows of the plane: whole magnitudes and signs, and the largest magnitude under each node.
+/// The encoder's exact plane: whole magnitudes and signs, and the largest magnitude under each node.
 struct WaveletSource {
   const std::vector<std::int32_t>* values = nullptr;             // [height][width]; null in a decoder
   std::vector<std::vector<std::vector<std::uint32_t>>> largest;  // [tree][level][node]
 };
 
-/// What is known beside the plane; null where there is nothing.
+/// The other known planes; null if missing.
 struct WaveletSurroundings {
-  const WaveletPlane* parent = nullptr;  // of the coarser image, the same plane
+  const WaveletPlane* parent = nullptr;  // the same plane of the coarser image
   const WaveletPlane* luma = nullptr;
   bool has_parent = false;
   std::size_t plane = 0;
@@ -85,7 +86,7 @@ struct WaveletSurroundings {
 
 class WaveletSyntax {
  public:
-  /// How many bit planes the plane has, 0 to WaveletPlane::kBitPlanes.
+  /// Codes the number of bit planes of the plane, 0 to WaveletPlane::kBitPlanes.
   template <class Port>
   int bit_planes(SymbolCoder<Port>& coder, const WaveletSource& source, std::size_t plane) {
     std::uint32_t highest = 0;
@@ -95,8 +96,8 @@ class WaveletSyntax {
     return static_cast<int>(std::min<std::uint32_t>(highest, WaveletPlane::kBitPlanes));
   }
 
-  /// The plane's bits, from its highest bit plane. Stops where `ended` says so, asked after every symbol. `plane` is
-  /// sized, without a significant coefficient.
+  /// Codes the plane's bits from its highest bit plane. Stops when `ended` returns true; it is called after every
+  /// symbol. When decoding, `plane` has its size and no significant coefficient.
   template <class Port, class Ended>
   void plane(SymbolCoder<Port>& coder, WaveletPlane& plane, int bit_planes, const WaveletSource& source,
              const WaveletSurroundings& around, Ended ended) {
@@ -125,7 +126,8 @@ class WaveletSyntax {
     int below_highest;
   };
 
-  /// Codes what becomes significant under a node; `certain`: something must. False: the stream has ended.
+  /// Codes which coefficients become significant under a node. `certain`: at least one does. Returns false at the
+  /// stream's end.
   template <class Port, class Ended>
   bool find(Visit<Port, Ended>& visit, std::size_t level, std::size_t x, std::size_t y, bool certain,
             std::size_t found) {

@@ -11,22 +11,23 @@ namespace {
 constexpr int kDepthMax = 6;
 constexpr std::size_t kSideMin = 8;
 
-// The lifting steps, predict and update in turn (Daubechies and Sweldens 1998, section 7.7), and the factor that brings
-// low-pass filters to a gain of sqrt(2), as orthonormal ones have.
+// The lifting steps, predict and update in turn (Daubechies and Sweldens 1998, section 7.7). The factor gives low-pass
+// filters a gain of sqrt(2), as in orthonormal filters.
 constexpr std::array<float, 4> kSteps = {-1.586134342f, -0.05298011854f, 0.8829110762f, 0.4435068522f};
 constexpr float kScale = 1.149604398f;
 
-/// Some lines at once, parted into even and odd samples: of sample i of the even ones and line c, evens[i * lines + c].
+/// Several lines at once, split into even and odd samples: evens[i * lines + c] is even sample i of line c.
 struct PartedLines {
   std::vector<float> evens, odds;
   std::size_t lines;
 
-  /// Lines of at least two samples.
+  /// Lines must have at least two samples.
   PartedLines(std::size_t length, std::size_t line_count)
       : evens((length + 1) / 2 * line_count), odds(length / 2 * line_count), lines(line_count) {}
 };
 
-/// odd i += factor (even i + even i + 1), mirrored at the end. Loops over all lines' samples are one, for the compiler.
+/// Computes odd i += factor (even i + even i + 1), mirrored at the end. One loop covers all lines, which helps the
+/// compiler.
 void lift_odds(PartedLines& parted, float factor) {
   auto& [evens, odds, lines] = parted;
   const std::size_t inner = std::min(odds.size(), evens.size() - lines);
@@ -34,7 +35,7 @@ void lift_odds(PartedLines& parted, float factor) {
   for (std::size_t j = inner; j < odds.size(); ++j) odds[j] += factor * (evens[j] + evens[j]);
 }
 
-/// even i += factor (odd i - 1 + odd i), mirrored at both ends.
+/// Computes even i += factor (odd i - 1 + odd i), mirrored at both ends.
 void lift_evens(PartedLines& parted, float factor) {
   auto& [evens, odds, lines] = parted;
   for (std::size_t j = 0; j < lines; ++j) evens[j] += factor * (odds[j] + odds[j]);
@@ -57,13 +58,13 @@ void inverse_lines(PartedLines& parted) {
     step % 2 == 0 ? lift_odds(parted, -kSteps[step]) : lift_evens(parted, -kSteps[step]);
 }
 
-/// Transforms every row or column of the rectangle at the image's corner; lines of one sample stay as they are.
-/// Samples lie in their order before a forward transform, and low halves first behind it.
+/// Transforms every row or column of the rectangle at the image's corner. Lines of one sample do not change. Before a
+/// forward transform, samples are in spatial order. Afterwards the low halves come first.
 template <bool kForward>
 void over_lines(std::span<float> image, std::size_t stride, std::size_t width, std::size_t height, bool rows) {
   const std::size_t length = rows ? width : height, count = rows ? height : width, low = (length + 1) / 2;
   if (length < 2) return;
-  // So many columns that they stay in the first cache; rows are one after another anyway.
+  // Processes as many columns as fit the first-level cache. The samples of a row are adjacent anyway.
   const std::size_t at_once = rows ? 1 : std::min<std::size_t>(32, count);
   PartedLines parted(length, at_once);
   for (std::size_t first = 0; first < count; first += at_once) {

@@ -15,15 +15,15 @@
 namespace multum {
 namespace {
 
-/// A choice of coder and pyramid is kept while lambda is within this factor of that for which it was made. On
-/// field_demo1 a search that starts at 500 ends within it.
+/// A choice of coder and pyramid is kept while lambda is within this factor of the lambda of the choice. On field_demo1
+/// a search that starts at 500 ends within this factor.
 constexpr double kChoiceRange = 2.0;
 
 }  // namespace
 
 std::uint64_t FieldCoder::bytes_of(const ChunkToCode& chunk, bool open_loop) {
-  // A texel of a sample has three coefficients, their weight, what of them is not coded yet (of an open loop twice),
-  // and up to four thirds of an image of three coded ones.
+  // Each texel of a sample has three coefficients, their weight, and their uncoded rest (twice for an open loop). Also
+  // up to four thirds of an image with three coded coefficients per texel.
   const std::uint64_t texel_bytes = 12 + 4 + (open_loop ? 24 : 12) + 16;
   return texel_bytes * chunk.width * chunk.height * chunk.textures.size();
 }
@@ -44,11 +44,9 @@ FieldCoder::FieldCoder(const FieldSource& source, const std::vector<std::uint8_t
     most = std::max(most, chunk.texture_bytes() + bytes_of(chunk, settings.open_loop));
   }
   if (most > settings.memory_bytes)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("the largest chunk takes {} MiB to be coded, {} MiB may be used for it: give more memory, or "
-                    "make blocks smaller",
-                    (most >> 20) + 1, settings.memory_bytes >> 20));
+    throw Error(ErrorCode::kUsage, fmt::format("coding the largest chunk takes {} MiB, but only {} MiB are available; "
+                                               "allow more memory, or make blocks smaller",
+                                               (most >> 20) + 1, settings.memory_bytes >> 20));
   keeps_textures_ = textures + most <= settings.memory_bytes;
   if (keeps_textures_) gate_.emplace(settings.memory_bytes - textures);
   else gate_.emplace(settings.memory_bytes);
@@ -65,7 +63,7 @@ double FieldCoder::lambda_of(std::size_t object, double lambda) const {
 
 FieldRound FieldCoder::code(double lambda) {
   ++rounds_;
-  progress_stage(progress_, fmt::format("code, a bit worth {:.4g}", lambda));
+  progress_stage(progress_, fmt::format("code with lambda {:.4g}", lambda));
   std::vector<std::size_t> all(source_.chunks.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   code_chunks(all, lambda);
@@ -173,8 +171,8 @@ double FieldCoder::object_mse(std::size_t object) const {
   return values > 0.0 ? error / values : 0.0;
 }
 
-/// Errors grow as lambda^0.6: a few steps of that lead to a share of lambda at which the object's error is met. A
-/// share, not a lambda: when the others' lambda changes for the file's size, so do its error and the mean.
+/// Errors grow as lambda^0.6, so a few steps find a share of lambda at which the object's error is met. The result is a
+/// share instead of a lambda: if lambda changes for the file's size, the object's error and the mean change together.
 void FieldCoder::hold_object(std::size_t object, double lambda, double mse, double mse_max) {
   std::vector<std::size_t> numbers;
   for (std::size_t c = 0; c < kept_.size(); ++c)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes all chunks of a field for one worth of a bit after another.
+// Codes all chunks of a field for a sequence of lambdas.
 #pragma once
 
 #include <atomic>
@@ -15,19 +15,19 @@ namespace multum {
 
 struct FieldCoderSettings {
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
-  std::optional<ImageCoder> coder;  // the best of all when not given
+  std::optional<ImageCoder> coder;  // the best of all if unset
   bool open_loop = false;
-  double alpha = 0.0;  // as FieldPackSettings has it
+  double alpha = 0.0;  // as in FieldPackSettings
   int threads = 0;
-  std::uint64_t memory_bytes = 0;         // for textures and what codes them
-  ImageTransforms* transforms = nullptr;  // null: those without a device
+  std::uint64_t memory_bytes = 0;         // memory for textures and their coding
+  ImageTransforms* transforms = nullptr;  // null: transforms without a device
   PackingJournal* journal = nullptr;      // null: none
 };
 
-/// Everything coded for one lambda.
+/// The field coded with one lambda.
 struct FieldRound {
   double lambda = 0.0, mse = 0.0;
-  std::vector<double> object_mse;  // of each object's pixels
+  std::vector<double> object_mse;  // errors over each object's pixels
   double mse_covered = 0.0;
   std::vector<EncodedChunk> chunks;
   std::vector<std::uint8_t> file;
@@ -37,7 +37,7 @@ class FieldCoder {
  public:
   static constexpr double kLambdaMin = 1e-4, kLambdaMax = 1e9;
 
-  /// What is passed must outlive it. Throws Error(kUsage) when a chunk alone takes more than the memory that it may.
+  /// All arguments must outlive this object. Throws Error(kUsage) if a single chunk takes more than the allowed memory.
   FieldCoder(const FieldSource& source, const std::vector<std::uint8_t>& description,
              const FieldCoderSettings& settings, Progress* progress);
 
@@ -46,22 +46,23 @@ class FieldCoder {
   int rounds() const { return rounds_; }
   std::size_t chunks_resumed() const { return chunks_resumed_; }
 
-  /// Lowers the share of lambda of each object whose error is above alpha times the mean. False: there is none.
+  /// Lowers the share of lambda of each object whose error is above alpha times the mean. Returns false if there is
+  /// none.
   bool hold(const FieldRound& round);
 
-  /// Bytes that coding this chunk takes, beside its textures.
+  /// Returns the bytes for coding this chunk, without its textures.
   static std::uint64_t bytes_of(const ChunkToCode& chunk, bool open_loop);
 
  private:
-  /// Of a round before, kept while lambda stays near.
+  /// A chunk of an earlier round, kept while lambda stays near.
   struct KeptChunk {
     ChosenChunk chosen;
-    double lambda = 0.0;     // it was coded with
+    double lambda = 0.0;     // lambda of its coding
     double chosen_at = 0.0;  // lambda at which all candidates were tried; 0: never
   };
 
   void code_chunks(const std::vector<std::size_t>& numbers, double lambda);
-  /// `before`: choices to be kept; null: all are tried.
+  /// `before`: choices to keep; null: all are tried.
   ChosenChunk coded(std::size_t number, const ChunkSettings* before, double lambda);
   const ChunkSource& textures_of(std::size_t number, std::optional<ChunkSource>& own);
   double object_mse(std::size_t object) const;
@@ -75,10 +76,10 @@ class FieldCoder {
   std::mutex progress_mutex_;
   std::optional<MemoryGate> gate_;
   bool keeps_textures_ = false;
-  std::vector<std::optional<ChunkSource>> textures_;  // of each chunk, while they are kept
-  std::vector<ChunkCandidates> candidates_;           // of each chunk
+  std::vector<std::optional<ChunkSource>> textures_;  // textures by chunk, while they are kept
+  std::vector<ChunkCandidates> candidates_;           // by chunk
   std::vector<KeptChunk> kept_;                       // the same
-  std::vector<double> shares_;                        // of lambda, of each object, up to 1
+  std::vector<double> shares_;                        // shares of lambda, by object, up to 1
   std::atomic<std::size_t> chunks_resumed_ = 0;
   int rounds_ = 0;
 };

@@ -18,8 +18,8 @@ namespace multum {
 namespace {
 
 constexpr double kLambdaFirst = 500.0;
-constexpr int kAlphaPassesMax = 12;  // mostly one or two: each makes the mean smaller, by less and less
-/// What the program takes, OpenCL and its buffers of 16 MiB among it, beside textures, weights and what codes them.
+constexpr int kAlphaPassesMax = 12;  // usually one or two passes; each lowers the mean by less
+/// Memory of the program with OpenCL and its buffers of 16 MiB, without textures, weights and their coding.
 constexpr std::uint64_t kProgramBytes = std::uint64_t{240} << 20;
 
 void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& path) {
@@ -30,14 +30,14 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
   file.commit();
 }
 
-/// Of the textures, over all pixels of all frames, 8-bit sRGB units.
+/// Returns the error of the textures over all pixels of all frames, in 8-bit sRGB units.
 std::optional<double> inferred_mse_of(const std::string& folder, const FieldSource& source) {
   const std::optional<double> sum = inference_error_sum(folder);
   if (!sum) return {};
   return 3.0 * *sum / source.values;
 }
 
-/// What the journal's chunks depend on, but for the field and its checksum: a line.
+/// Returns one line with everything that the journal's chunks depend on, except for the field and its checksum.
 std::string journal_key(const FieldPackSettings& settings, const FieldSource& source) {
   const std::string coder = settings.coder ? fmt::format("{}", static_cast<int>(*settings.coder)) : "any";
   return fmt::format("{}: pack, field {}, pyramid {}, coder {}, open loop {}, block {}, stagger {}, device {}",
@@ -77,10 +77,10 @@ FieldPackReport report_of(const FieldPackSettings& settings, const FieldSource& 
   return report;
 }
 
-/// Codes for the target, and holds objects to alpha.
+/// Codes for the target, and limits the errors of objects by alpha.
 FieldRound coded_field(const FieldTarget& target, const FieldMeasure& measure, FieldCoder& coder) {
   FieldRound round = coded_for(target, measure, kLambdaFirst, coder);
-  // What the objects that are held take, the others are short of: then one more may be above alpha times the mean.
+  // The bytes that limited objects gain are taken from the others. Another object may then exceed alpha times the mean.
   for (int pass = 0; pass < kAlphaPassesMax && coder.hold(round); ++pass)
     round = coded_for(target, measure, round.lambda, coder);
   return round;
@@ -91,8 +91,9 @@ FieldRound coded_field(const FieldTarget& target, const FieldMeasure& measure, F
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress) {
   MULTUM_CHECK(settings.block >= 1 && (settings.alpha == 0.0 || settings.alpha > 1.0));
   if (!settings.output.ends_with(".mpt"))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: is not a name for a packed field, expected one that ends in .mpt", settings.output));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: is not a name for a packed field, expected a name that ends in .mpt", settings.output));
   check_paths_differ({settings.folder + "/" + kInferredManifestName}, {settings.output});
   check_writable(settings.output);
   progress_start(progress, 0);

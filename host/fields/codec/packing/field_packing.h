@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs the textures of a parameterised animation, a folder that multum infer wrote, into one file (Hakura et al. 2000,
-// section 4): every layer of every object over every block of the parameters is a chunk, all coded for one worth of a
-// bit, which is searched for until the file has the size, or the error, that was asked for.
+// Packs the textures of a parameterized animation, a folder of `multum infer`, into one file (Hakura et al. 2000,
+// section 4). Every layer of every object over every block of the parameters is a chunk. All chunks are coded with one
+// lambda, the worth of a bit. A search finds the lambda for the requested file size or error.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,19 @@ namespace multum {
 struct FieldPackSettings {
   std::string folder, output;  // output *.mpt
   FieldTarget target;
-  /// Above 1: no object's mean error a pixel may be more than so many times that of all objects' pixels together
-  /// (Hakura et al. 2000, section 4). 0: any.
+  /// Above 1: the mean error per pixel of an object must not exceed this multiple of the mean error over all objects'
+  /// pixels (Hakura et al. 2000, section 4). 0: no limit.
   double alpha = 0.0;
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
-  std::optional<ImageCoder> coder;  // the best of all when not given
+  std::optional<ImageCoder> coder;  // the best of all if unset
   bool open_loop = false;
-  int block = 8;                          // samples of a chunk along a parameter, at most
+  int block = 8;                          // most samples of a chunk along a parameter
   bool stagger = false;                   // objects' blocks begin at different samples: field_blocks.h
-  bool has_absolute_geometry = false;     // the scene file's path is noted whole, not relative to the output's folder
+  bool has_absolute_geometry = false;     // store the scene file's absolute path instead of a relative one
   int threads = 0;                        // <= 0: all; the bytes are the same
-  std::uint64_t memory_bytes = 0;         // resident memory to stay within; 0: a quarter of the machine's
-  bool resume = false;                    // takes up what a packing of the same that was stopped has done
-  ImageTransforms* transforms = nullptr;  // that make coefficients; null: those without a device
+  std::uint64_t memory_bytes = 0;         // limit of resident memory; 0: a quarter of the machine's memory
+  bool resume = false;                    // continue a stopped packing with the same settings
+  ImageTransforms* transforms = nullptr;  // compute coefficients; null: without a device
 };
 
 struct PackedChunkReport {
@@ -41,28 +41,29 @@ struct PackedChunkReport {
 
 struct PackedObjectReport {
   std::string object;
-  double pixels = 0.0;  // that it covers, of all samples
-  double mse = 0.0;     // of these, estimated
-  double lambda = 0.0;  // that its chunks were coded with
+  double pixels = 0.0;  // covered pixels in all samples
+  double mse = 0.0;     // estimated error of these pixels
+  double lambda = 0.0;  // lambda of its chunks
 };
 
 struct FieldPackReport {
   std::uint64_t bytes = 0, description_bytes = 0, raw_bytes = 0;  // raw: of 24-bit frames
   double lambda = 0.0, mse = 0.0;
-  int rounds = 0;                  // of coding everything
-  std::size_t chunks_resumed = 0;  // how often one was taken from a packing that was stopped
-  double mse_covered = 0.0;        // of pixels that objects cover: what alpha is of
+  int rounds = 0;                  // number of times that everything was coded
+  std::size_t chunks_resumed = 0;  // number of chunk codings taken from a stopped packing
+  double mse_covered = 0.0;        // error of pixels that objects cover; alpha refers to it
   bool is_alpha_met = true;
-  /// Of frames drawn of the textures, beside the ray-traced ones: over all pixels, 8-bit sRGB units. None: the folder
-  /// has no report of `multum infer`.
+  /// The error of frames drawn with the inferred textures, compared with the ray-traced frames: over all pixels, 8-bit
+  /// sRGB units. Unset: the folder has no report of `multum infer`.
   std::optional<double> inferred_mse;
-  bool is_error_large = false;              // coding adds more than error_limit() of that, and no error was asked for
-  bool has_given_way = false;               // the default ratio has
-  std::vector<PackedObjectReport> objects;  // of those with textures
+  // Coding adds more than error_limit() of inferred_mse, and the user set no error.
+  bool is_error_large = false;
+  bool has_given_way = false;               // the default ratio was lowered
+  std::vector<PackedObjectReport> objects;  // only objects with textures
   std::vector<PackedChunkReport> chunks;
 };
 
-/// The file appears whole, by rename. Throws Error: kUsage for a target that cannot be met, kInput for a folder that
+/// The file appears complete, by rename. Throws Error: kUsage for a target that cannot be met, kInput for a folder that
 /// cannot be read, kEnvironment; Cancelled.
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress);
 

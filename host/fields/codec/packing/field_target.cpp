@@ -14,21 +14,21 @@ namespace {
 constexpr int kRoundsMax = 12;
 constexpr double kNearEnough = 0.985;  // of the target
 constexpr double kLambdaMin = FieldCoder::kLambdaMin, kLambdaMax = FieldCoder::kLambdaMax;
-// log(bytes) and log(error) are nearly linear in log(lambda), of these slopes on a field of 64 samples.
+// log(bytes) and log(error) are nearly linear in log(lambda), with these slopes on a field of 64 samples.
 constexpr double kBytesSlope = -0.56, kErrorSlope = 0.6;
-/// The estimate of what coding adds is 2 to 20 % below what drawn frames lose, the more the fewer the samples; it is at
-/// gamma 2.2, and sRGB units, which the inferred textures' error has, count dark pixels more: a room whose quarter is
-/// dark has 19 % more error in them. 2 * 1.2 * 1.2 < 3.
+/// The estimate of the coding error is 2 to 20 % below the error in drawn frames; fewer samples give a larger
+/// difference. The estimate uses gamma 2.2, while the inferred textures' error uses sRGB units, which weigh dark pixels
+/// more: a room with a dark quarter has 19 % more error in these units. 2 * 1.2 * 1.2 < 3.
 constexpr double kEstimateShare = 2.0 / 3.0;
-/// The least that `--mse-max` may ask for. Textures that are exact can be packed with no error at all only by chance.
+/// The least error that `--mse-max` accepts. Exact textures can be packed without any error only by chance.
 constexpr double kErrorLimitMin = 1e-3;
 
-/// The largest file of at most so many bytes, or the smallest of at most so much error.
+/// The largest file within a byte limit, or the smallest file within an error limit.
 struct SearchGoal {
   double limit = 0.0;
   bool is_error = false;
 
-  /// Of the logarithm; above 0: not met.
+  /// Returns the excess of the logarithm; above 0: not met.
   double excess(const FieldRound& round) const {
     const double value = is_error ? round.mse : static_cast<double>(round.file.size());
     return std::log(std::max(value, 1e-12) / limit);
@@ -36,7 +36,7 @@ struct SearchGoal {
 };
 
 struct SearchResult {
-  FieldRound round;  // that meets the goal best; where none does, that comes nearest
+  FieldRound round;  // the round that meets the goal best, or else comes nearest
   bool is_met = false;
 };
 
@@ -47,14 +47,14 @@ SearchResult search(const SearchGoal& goal, double lambda, FieldCoder& coder) {
   struct Side {
     double x = 0.0, excess = 0.0;
     bool is_there = false;
-  } met, missed;  // the nearest of either kind
+  } met, missed;  // the nearest round of either kind
   double x = std::log(lambda);
   for (int i = 0; i < kRoundsMax; ++i) {
     FieldRound round = coder.code(std::exp(x));
     const double excess = goal.excess(round);
     const bool is_met = excess <= 0.0;
     (is_met ? met : missed) = {x, excess, true};
-    // Of those that meet it the nearest, else the least that was found.
+    // Keeps the nearest round that meets the goal, or else the round with the least excess.
     if (i == 0 || (is_met && (!best.is_met || excess > best_excess)) ||
         (!is_met && !best.is_met && excess < best_excess)) {
       best = {std::move(round), is_met};
@@ -77,33 +77,32 @@ SearchResult search(const SearchGoal& goal, double lambda, FieldCoder& coder) {
 FieldRound found_by_error(double mse, double lambda, FieldCoder& coder) {
   SearchResult found = search({mse, true}, lambda, coder);
   if (!found.is_met)
-    throw Error(ErrorCode::kUsage, fmt::format("an error of {:g} cannot be met: {:.4g} is the least that was found; "
-                                               "use a larger --mse-max",
-                                               mse, found.round.mse));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("an error of {:g} cannot be met: the least error found is {:.4g}; use a larger --mse-max",
+                            mse, found.round.mse));
   return std::move(found.round);
 }
 
-/// `ratio`: that the bytes come from.
+/// `ratio`: the ratio that `bytes` follow from, if any.
 FieldRound found_by_bytes(double bytes, std::optional<double> ratio, double raw_bytes, double lambda,
                           FieldCoder& coder) {
   SearchResult found = search({bytes, false}, lambda, coder);
   if (found.is_met) return std::move(found.round);
   const auto least = static_cast<double>(found.round.file.size());
   if (ratio)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("a ratio of {:g}, {:.0f} bytes, cannot be met: {:.0f} bytes are the least that was found; "
-                            "use --ratio {:.0f} or less, or --mse-max",
-                            *ratio, bytes, least, std::max(1.0, std::floor(raw_bytes / least))));
-  throw Error(ErrorCode::kUsage, fmt::format("{:.0f} bytes cannot be met: {:.0f} is the least that was found; use "
-                                             "--bytes {:.0f} or more, or --mse-max",
+    throw Error(ErrorCode::kUsage, fmt::format("a ratio of {:g} ({:.0f} bytes) cannot be met: the smallest file found "
+                                               "has {:.0f} bytes; use --ratio {:.0f} or less, or --mse-max",
+                                               *ratio, bytes, least, std::max(1.0, std::floor(raw_bytes / least))));
+  throw Error(ErrorCode::kUsage, fmt::format("{:.0f} bytes cannot be met: the smallest file found has {:.0f} bytes; "
+                                             "use --bytes {:.0f} or more, or --mse-max",
                                              bytes, least, least));
 }
 
-/// The default: the ratio, unless it leaves too much error. Whichever seems to bind is searched for first, since
-/// what follows from it mostly shows that the other need not be.
+/// Uses the default ratio, unless it leaves too much error. The limit that seems to bind is searched first, because its
+/// result mostly shows that the other search is unnecessary.
 FieldRound found_by_default(double bytes, double mse, double lambda, FieldCoder& coder) {
   const SearchGoal size{bytes, false}, error{mse, true};
-  const FieldRound first = coder.code(lambda);  // a search that begins there has it at no cost
+  const FieldRound first = coder.code(lambda);  // a search from this lambda reuses the round
   std::optional<FieldRound> by_error;
   if (error.excess(first) / kErrorSlope > size.excess(first) / kBytesSlope) {
     by_error = search(error, lambda, coder).round;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the chunks that a packing has coded in a hidden folder beside its output, so that one that was stopped is
-// resumed: what was coded for a lambda is coded the same again.
+// Keeps the coded chunks of a packing in a hidden folder next to its output, so that a stopped packing can resume.
+// Coding a chunk with the same lambda gives the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ namespace multum {
 /// Any number of threads may use it at once.
 class PackingJournal {
  public:
-  /// Opens the folder of the packing of `output`; `key`, a line, stands for everything that its chunks depend on. What
-  /// is there of the same key is kept when `resume`, anything else is removed. Null while another process packs to the
-  /// same output. Throws Error(kEnvironment).
+  /// Opens the folder of the packing of `output`. `key` is one line that stands for everything that its chunks depend
+  /// on. Chunks with the same key are kept if `resume` is set; all others are removed. Returns null while another
+  /// process packs to the same output. Throws Error(kEnvironment).
   static std::unique_ptr<PackingJournal> open(const std::string& output, const std::string& key, bool resume);
   PackingJournal(const PackingJournal&) = delete;
   PackingJournal& operator=(const PackingJournal&) = delete;
 
-  /// What an earlier run coded of a chunk for this lambda.
+  /// Returns the chunk that an earlier run coded with this lambda.
   std::optional<ChosenChunk> find(std::size_t chunk, double lambda) const;
-  /// Makes a note of it. Throws Error(kEnvironment).
+  /// Stores a coded chunk. Throws Error(kEnvironment).
   void add(std::size_t chunk, double lambda, const ChosenChunk& chosen);
 
-  /// The folder stays when this is destroyed: the packing was stopped and may go on.
+  /// Keeps the folder when this object is destroyed, so that the stopped packing can resume.
   void leave() { journal_->leave(); }
   std::size_t found_count() const { return found_.size(); }
 

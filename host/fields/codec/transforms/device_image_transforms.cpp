@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Work-items are small: PoCL takes as long to begin a group of them as to run one.
+// Work-items are small: PoCL takes as long to begin a work-group as to run one item.
 constexpr std::size_t kTransformLocalSize = 64;
 
 }  // namespace
@@ -19,7 +19,7 @@ constexpr std::size_t kTransformLocalSize = 64;
 struct DeviceImageTransforms::Batch {
   const std::vector<std::vector<float>>& textures;
   const PlaneAxes& axes;
-  std::size_t begin, count;  // of the textures
+  std::size_t begin, count;  // index of the first texture, and number of textures
 };
 
 DeviceImageTransforms::DeviceImageTransforms(Device& device, std::size_t batch_bytes)
@@ -29,7 +29,7 @@ std::vector<PlaneCoefficients> DeviceImageTransforms::coefficients(const Coeffic
                                                                    const std::vector<std::vector<float>>& textures,
                                                                    const PlaneAxes& axes) {
   const std::lock_guard lock(mutex_);
-  if (!colour_planes_.is_built()) {  // nothing asks the device before there is something to do
+  if (!colour_planes_.is_built()) {  // the device is not used before it is needed
     const auto kernel = [&](const char* name) { return device_.kernel("image_transform", name, {1, 1, false}); };
     colour_planes_ = kernel("colour_planes");
     dct_rows_ = kernel("dct_rows");
@@ -108,7 +108,7 @@ void DeviceImageTransforms::transform_levels(const CoefficientLayout& layout, in
     wavelet_lift_.launch({static_cast<std::size_t>(items), kTransformLocalSize}, from, to, image_count, texels, lines,
                          step, length, stride);
   };
-  // Both sides of a level have 8 samples or more; rows go to the other buffer, columns come back from it.
+  // Both sides of a level have 8 samples or more. Rows are written to the other buffer, and columns are written back.
   std::size_t columns = layout.width, rows = layout.height;
   for (int depth = wavelet_depth(layout.width, layout.height); depth > 0; --depth) {
     lift(planes_, other_, static_cast<int>(rows), width, static_cast<int>(columns), 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the coefficients of a chunk's textures on an OpenCL device (kernels/image_transform.cl): one launch a step for
-// as many textures as fit a batch.
+// Computes the coefficients of a chunk's textures on an OpenCL device (kernels/image_transform.cl). Each step is one
+// launch for all textures of a batch.
 #pragma once
 
 #include <mutex>
@@ -14,11 +14,11 @@ class DeviceImageTransforms : public ImageTransforms {
  public:
   static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
 
-  /// The device must outlive it. `batch_bytes`: of a buffer, at most, but for a single texture; no coefficient depends
-  /// on it.
+  /// The device must outlive this object. `batch_bytes`: limit per buffer, exceeded only by a single large texture; no
+  /// coefficient depends on it.
   explicit DeviceImageTransforms(Device& device, std::size_t batch_bytes = kBatchBytes);
 
-  /// Threads wait for one another. Throws Error(kEnvironment).
+  /// Several threads run one after another. Throws Error(kEnvironment).
   std::vector<PlaneCoefficients> coefficients(const CoefficientLayout& layout,
                                               const std::vector<std::vector<float>>& textures,
                                               const PlaneAxes& axes) override;
@@ -35,7 +35,7 @@ class DeviceImageTransforms : public ImageTransforms {
   const std::size_t batch_bytes_;
   std::mutex mutex_;
   Kernel colour_planes_, dct_rows_, dct_columns_, wavelet_lift_;
-  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // `other_`: what a step writes of planes
+  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // `other_`: the planes that a step writes
 };
 
 }  // namespace multum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders of renders as the scripts of the ray-traced fields write them (docs/reference/animation_jobs.md, "Folders
-// that are understood"): scene.json says what was rendered, and names of files follow from the names of samples.
+// Reads folders of renders in the layout that the scripts of the ray-traced fields write
+// (docs/reference/animation_jobs.md, "Folders that are understood"). scene.json lists the renders; file names follow
+// from the names of samples.
 //   rad_vVV_pPP.exr   radiance by passes       geom_vVV.exr      depth, Cryptomatte
 //   scene.json        cameras, objects         id_vVV_pPP.png    object index, where an object moves
 #include <algorithm>
@@ -22,15 +23,15 @@ namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;  // the numbers of objects are those of their order
+using Json = nlohmann::ordered_json;  // objects are numbered in the order of the file
 
 constexpr const char* kExpected =
-    "expected a folder of renders: scene.json beside geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
+    "expected a folder of renders with scene.json, geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
     "id_vVV_pPP.png";
 
-// Samples along a parameter that share texture coordinates: all, or blocks as even as may be of at most 16. Hakura et
-// al. (sec. 4) have blocks of 8; but diffuse textures of two blocks are packed twice: with one block for its 16 views,
-// field_demo2 has 0.88 of the error at 192:1.
+// Returns the number of samples along a parameter that share texture coordinates: all, or even blocks of at most 16.
+// Hakura et al. (sec. 4) use blocks of 8. But diffuse textures of two blocks are packed twice: with one block for its
+// 16 views, field_demo2 has 0.88 of the error at 192:1.
 int even_block(int count) {
   constexpr int kBlockMax = 16;
   if (count <= kBlockMax) return 0;
@@ -58,8 +59,9 @@ class FolderReader {
                          [](const Json& sample) { return sample.contains("object_to_world"); });
     has_index_ = exists("id_" + sample_name(samples.front()) + ".png");
     if (moves_ && !has_index_)
-      refuse_file(folder_, fmt::format("has objects that move, but no id_{}.png; object-index images are needed then",
-                                       sample_name(samples.front())));
+      refuse_file(folder_,
+                  fmt::format("has objects that move, but no id_{}.png; moving objects need object-index images",
+                              sample_name(samples.front())));
     const char* other = moves_ ? "motion" : samples.front().contains("light_swing_deg") ? "light" : "parameter";
     job_.parameters = {{"view", whole(scene_, "views", "the scene"), true},
                        {other, whole(scene_, "params", "the scene"), false}};
@@ -70,7 +72,7 @@ class FolderReader {
               [](const AnimationSample& a, const AnimationSample& b) { return a.at < b.at; });
     const int expected = job_.parameters[0].count * job_.parameters[1].count;
     if (std::ssize(job_.samples) != expected)
-      refuse_file(scene_path_, fmt::format("describes {} samples, expected {} by its views and params",
+      refuse_file(scene_path_, fmt::format("describes {} samples, expected {} from its views and params",
                                            job_.samples.size(), expected));
     read_layers();
     return std::move(job_);
@@ -83,7 +85,7 @@ class FolderReader {
     return fs::is_regular_file(path(name), error);
   }
   std::string existing(const std::string& name) const {
-    if (!exists(name)) refuse_file(folder_, fmt::format("has no {}, which scene.json describes", name));
+    if (!exists(name)) refuse_file(folder_, fmt::format("has no {}, although scene.json describes it", name));
     return path(name);
   }
 
@@ -133,12 +135,13 @@ class FolderReader {
     refuse_file(folder_, std::string("holds no geometry.glb, geometry.gltf or geometry.obj; ") + kExpected);
   }
 
-  // Blender's OBJ names an object after the object and its mesh.
+  // Blender's OBJ export names an object after the object and its mesh.
   std::string mesh_of(const std::string& object) const {
     for (const std::string& mesh : {object, object + "_Mesh"})
       if (std::find(meshes_.begin(), meshes_.end(), mesh) != meshes_.end()) return mesh;
-    refuse_file(job_.geometry_file, fmt::format("has no object \"{}\", which scene.json names; it has {}", object,
-                                                fmt::join(meshes_, ", ")));
+    refuse_file(job_.geometry_file,
+                fmt::format("has no object \"{}\", although scene.json names it; its objects are {}", object,
+                            fmt::join(meshes_, ", ")));
   }
 
   void read_objects() {
@@ -157,7 +160,7 @@ class FolderReader {
     }
   }
 
-  // Samples of one view share a camera, unless it shakes.
+  // Samples of one view share a camera, unless the camera shakes.
   int camera_of(const Json& sample, const std::string& name, int view) {
     AnimationCamera camera;
     camera.world_to_camera = matrix(member(sample, "world_to_camera", name), name + ": world_to_camera");
@@ -178,7 +181,7 @@ class FolderReader {
     const int view = whole(json, "view", sample.name), param = whole(json, "param", sample.name);
     sample.at = {view, param};
     sample.radiance = existing("rad_" + sample.name + ".exr");
-    // With objects that move, a view's geometry is that of its first sample alone.
+    // If objects move, only the first sample of a view has geometry.
     const std::string geometry = fmt::format("geom_v{:02}.exr", view);
     if (!has_index_ || (exists(geometry) && (!moves_ || param == 0))) sample.geometry = existing(geometry);
     if (has_index_) sample.object_index = existing("id_" + sample.name + ".png");
@@ -188,7 +191,7 @@ class FolderReader {
     job_.samples.push_back(sample);
   }
 
-  // An OBJ is in world space as scene.json's "objects" place it; that is undone before the sample's own placement.
+  // An OBJ is in world space, placed as in "objects" of scene.json. The sample's own placement replaces this placement.
   void read_motion(const Json& motion, AnimationSample& sample) {
     const bool is_in_world = job_.geometry_file.ends_with(".obj");
     for (const auto& [name, rows] : motion.items()) {
@@ -202,7 +205,7 @@ class FolderReader {
     }
   }
 
-  // Diffuse light does not change with the view; what moves or is lit otherwise changes it.
+  // Diffuse light does not change with the view, but with moving objects and lights.
   void read_layers() {
     const std::string& file = job_.samples.front().radiance;
     const std::vector<std::string> channels = exr_channel_names(file);
@@ -217,7 +220,7 @@ class FolderReader {
     if (!view_dependent.passes.empty()) job_.layers.push_back(view_dependent);
     if (job_.layers.empty() && has("R")) job_.layers.push_back({"radiance", {""}, all});
     if (job_.layers.empty())
-      refuse_file(file, fmt::format("has no channel diffuse.R, glossy.R, transmission.R or R; it has {}",
+      refuse_file(file, fmt::format("has no channel diffuse.R, glossy.R, transmission.R or R; its channels are {}",
                                     fmt::join(channels, ", ")));
   }
 

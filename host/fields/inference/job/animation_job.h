@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job of texture inference (Hakura et al. 2000, section 3): what was rendered, with which geometry, cameras
-// and parameters, and what is to be inferred. docs/reference/animation_jobs.md describes every key of animation.toml.
+// Describes a job of texture inference (Hakura et al. 2000, section 3): the renders, their geometry, cameras and
+// parameters, and the textures to infer. docs/reference/animation_jobs.md describes every key of animation.toml.
 #pragma once
 
 #include <array>
@@ -13,34 +13,36 @@
 
 namespace multum {
 
-/// One dimension of the parameter space, as "view" or "light".
+/// One dimension of the parameter space, such as "view" or "light".
 struct AnimationParameter {
   std::string name;
-  int count = 1;         // of samples along it
+  int count = 1;         // samples along it
   bool is_view = false;  // moves the camera
-  int block = 0;         // neighbouring samples that share texture coordinates, where it moves anything; 0: all
+  int block = 0;         // neighbouring samples that share texture coordinates, if it moves anything; 0: all
   bool operator==(const AnimationParameter&) const = default;
 };
 
-/// A part of the radiance that is inferred by itself: "diffuse" from the diffuse pass, "view_dependent" from the glossy
-/// and transmission passes added.
+/// A part of the radiance that gets its own textures: "diffuse" from the diffuse pass, "view_dependent" from the sum of
+/// the glossy and transmission passes.
 struct AnimationLayer {
   std::string name;
-  std::vector<std::string> passes;      // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" is R G B themselves
-  std::vector<std::string> depends_on;  // names of parameters; over the others one texture serves all samples
+  std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" means R G B themselves
+  // Names of parameters; one texture serves all samples along the other parameters.
+  std::vector<std::string> depends_on;
   bool operator==(const AnimationLayer&) const = default;
 };
 
-/// How an object is textured. Defaults come from the job's [texture] table, and from here where that has none.
+/// Texture settings of an object. Defaults come from the job's [texture] table, or from this struct without such a
+/// table.
 struct AnimationTexture {
   std::string wrap = "clamp";     // "clamp" or "periodic"; in a periodic direction a branch cut is tried
   double stretch_max = 1.25;      // largest singular value of the texture-to-screen Jacobian, > 0
-  double resolution_scale = 1.0;  // (0, 8], of each side, after the stretch has been held
+  double resolution_scale = 1.0;  // (0, 8], of each side, after the stretch limit
   bool power_of_two = false;      // rounds each side up
   int side_max = 2048;            // texels, 1..16384
   double anisotropy = 1.0;        // 1..16, of the sampler
-  double pyramid_weight = 0.1;    // epsilon_f of pyramidal regularisation, >= 0
-  double range_weight = 0.0;      // epsilon_b of range regularisation, >= 0; 0: the bounds alone hold texels
+  double pyramid_weight = 0.1;    // epsilon_f of pyramidal regularization, >= 0
+  double range_weight = 0.0;      // epsilon_b of range regularization, >= 0; 0: only the bounds limit texels
   bool operator==(const AnimationTexture&) const = default;
 };
 
@@ -49,7 +51,7 @@ struct AnimationObject {
   std::string mesh;                 // object of the geometry file
   std::string cryptomatte;          // its name in the Cryptomatte manifest; empty: index is used
   int index = 0;                    // its number in object-index images, from 1; 0: none
-  std::vector<std::string> layers;  // empty: all; a layer in which the object is black is left out anyway
+  std::vector<std::string> layers;  // empty: all; layers in which the object is black are always left out
   AnimationTexture texture;
   bool operator==(const AnimationObject&) const = default;
 };
@@ -57,33 +59,33 @@ struct AnimationObject {
 struct AnimationCamera {
   std::string name;
   glm::dmat4 world_to_camera{1.0};  // right-handed, looks along -z
-  glm::dmat4 projection{1.0};       // to OpenGL clip space: -w..w, y up
+  glm::dmat4 projection{1.0};       // maps to OpenGL clip space: -w..w, y up
   bool operator==(const AnimationCamera&) const = default;
 };
 
 struct AnimationSample {
   std::vector<int> at;       // index along each parameter
   std::string name;          // "v00_p03"
-  std::string radiance;      // EXR with the layers' passes, path as resolved
-  std::string geometry;      // EXR with depth, and Cryptomatte; may be the same file; empty: none, only where
+  std::string radiance;      // EXR with the layers' passes, resolved path
+  std::string geometry;      // EXR with depth, and Cryptomatte; may be the same file; may be empty only if
                              // object_index is given
   std::string object_index;  // PNG whose grey value is the object's number; empty: Cryptomatte is used
   int camera = 0;
-  std::map<std::string, glm::dmat4> object_to_world;  // of objects that move, by mesh name
+  std::map<std::string, glm::dmat4> object_to_world;  // places of objects that move, by mesh name
   bool operator==(const AnimationSample&) const = default;
 };
 
 struct AnimationJob {
-  std::string path;  // of the job file; relative paths in it are against its folder
+  std::string path;  // the job file; relative paths in it start in its folder
   std::string geometry_file;
   int uv_set = 0;
   int width = 0, height = 0;                 // pixels
   std::string cryptomatte = "CryptoObject";  // prefix of its channels
   std::string depth = "Z";         // channel: distance along -z of camera space at the pixel centre; empty: none
-  double depth_tolerance = 0.01;   // relative: how far depth may be off the geometry before the cameras are refused
+  double depth_tolerance = 0.01;   // relative: largest deviation of depth from the geometry before cameras are refused
   int supersampling = 4;           // 1..8: sub-pixels along each side of a pixel, in A and in rendered frames
   double radiance_max = 1.0;       // > 0: brighter values are clipped to it and counted
-  double coverage_min = 1.0 / 64;  // pixels that an object covers less are left out
+  double coverage_min = 1.0 / 64;  // pixels with less coverage by an object are left out
   std::vector<AnimationParameter> parameters;
   std::vector<AnimationLayer> layers;
   std::vector<AnimationObject> objects;
@@ -92,12 +94,12 @@ struct AnimationJob {
   bool operator==(const AnimationJob&) const = default;
 };
 
-/// The job as TOML, as read_animation_job() reads it; `folder`: paths are written relative to it.
+/// Returns the job as TOML for read_animation_job(). Paths are written relative to `folder`.
 std::string animation_job_text(const AnimationJob& job, const std::string& folder);
 
-/// A job for a folder of renders: scene.json beside rad_vVV_pPP.exr and geom_vVV.exr, or id_vVV_pPP.png where objects
-/// move (docs/reference/animation_jobs.md, "Folders that are understood"). Throws Error(kInput) saying what was looked
-/// for.
+/// Makes a job for a folder of renders: scene.json with rad_vVV_pPP.exr and geom_vVV.exr, or id_vVV_pPP.png if objects
+/// move (docs/reference/animation_jobs.md, "Folders that are understood"). Throws Error(kInput) with the expected
+/// files.
 AnimationJob job_for_folder(const std::string& folder);
 
 }  // namespace multum

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job is read in the order in which its parts name one another: parameters, layers, objects of the geometry file,
-// cameras, samples; so that each refusal has the line at hand. Samples are read by
-// host/fields/inference/job/animation_samples.
+// Reads a job in the order of its references: parameters, layers, objects of the geometry file, cameras, samples. Each
+// refusal can then name the line. host/fields/inference/job/animation_samples reads the samples.
 #include "host/fields/inference/job/animation_job_reading.h"
 
 #include <algorithm>
@@ -25,7 +24,7 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each is a file or two
-// Of as many samples, each with a camera of its own: 68 keys and values, 1.2 KB.
+// Room for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
@@ -40,15 +39,18 @@ std::string checked_name(const StrictTable& table) {
   const bool has_bad_letter = std::any_of(
       name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == '/' || c == '\\'; });
   if (has_bad_letter || name.front() == '.' || name.size() > 100)
-    table.refuse("name",
-                 fmt::format("is \"{}\", expected up to 100 letters without / and \\, not beginning with a dot", name));
+    table.refuse(
+        "name",
+        fmt::format("is \"{}\", expected up to 100 characters without / and \\ and without a dot at the beginning",
+                    name));
   return name;
 }
 
 template <typename Item>
 void add_unique(std::vector<Item>& items, Item item, const StrictTable& table) {
   for (const Item& other : items)
-    if (other.name == item.name) table.refuse("name", fmt::format("is \"{}\", which another one has", item.name));
+    if (other.name == item.name)
+      table.refuse("name", fmt::format("is \"{}\", which is already in use; expected a unique name", item.name));
   items.push_back(std::move(item));
 }
 
@@ -92,7 +94,8 @@ void read_parameters(const StrictTable& job_table, AnimationJob& job) {
     parameter.is_view = table.boolean("view", false);
     parameter.block = table.whole("block", 0, kSampleCountMax, 0);
     if (parameter.count > kSampleCountMax / sample_count)
-      table.refuse("count", fmt::format("is {}, expected at most {} samples in all", parameter.count, kSampleCountMax));
+      table.refuse("count",
+                   fmt::format("is {}, expected at most {} samples in total", parameter.count, kSampleCountMax));
     sample_count *= parameter.count;
     add_unique(job.parameters, parameter, table);
   }
@@ -110,7 +113,7 @@ void read_layers(const StrictTable& job_table, AnimationJob& job) {
     for (const std::string& pass : layer.passes)
       if (!passes.insert(pass).second)
         table.refuse("passes",
-                     fmt::format("names \"{}\" a second time; layers are added, so it would count twice", pass));
+                     fmt::format("names \"{}\" twice; layers are added, so this pass would count twice", pass));
     layer.depends_on = table.texts("depends_on", true);
     for (const std::string& name : layer.depends_on) check_known(table, "depends_on", name, parameters, "parameter");
     if (std::set<std::string>(layer.depends_on.begin(), layer.depends_on.end()).size() != layer.depends_on.size())
@@ -132,9 +135,9 @@ void read_objects(const StrictTable& job_table, const std::vector<std::string>& 
     object.cryptomatte = table.text("cryptomatte", "");
     object.index = table.whole("index", 0, 65535, 0);
     if (object.index > 0 && !indices.insert(object.index).second)
-      table.refuse("index", fmt::format("is {}, which another object has", object.index));
+      table.refuse("index", fmt::format("is {}, which another object already has", object.index));
     if (object.index == 0 && object.cryptomatte.empty())
-      table.refuse("", "has neither cryptomatte nor index, so its pixels cannot be told");
+      table.refuse("", "has neither cryptomatte nor index, so its pixels cannot be identified; add one of them");
     object.layers = table.texts("layers", false);
     for (const std::string& name : object.layers) check_known(table, "layers", name, names_of(job.layers), "layer");
     const StrictTable texture_table(job.path, table.table("texture"), "object.texture", kTextureKeys);
@@ -143,21 +146,20 @@ void read_objects(const StrictTable& job_table, const std::vector<std::string>& 
   }
 }
 
-// Depth is found along -z, and the frustum is cut at planes of constant z: so w must be -z (to a factor), and x and y
-// must grow to the right and upwards.
+// Depth is measured along -z, and the frustum is cut at planes of constant z. Therefore w must be -z (up to a factor),
+// and x and y must grow to the right and upwards.
 void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const glm::dmat4& m = camera.world_to_camera;
   if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
-    table.refuse("world_to_camera", "has another last row than 0 0 0 1: rows are for column vectors");
+    table.refuse("world_to_camera", "has a last row other than 0 0 0 1; expected rows for column vectors");
   if (!(glm::determinant(glm::dmat3(m)) > 0.0))
     table.refuse("world_to_camera", "is mirrored or flat: its determinant is not above 0");
   const glm::dmat4& p = camera.projection;
   const bool has_w = p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] < 0.0 && p[3][3] == 0.0;
   if (!has_w || !(p[0][0] > 0.0) || !(p[1][1] > 0.0) || p[3][0] != 0.0 || p[3][1] != 0.0)
-    table.refuse(
-        "projection",
-        "is not a perspective: expected a last row of 0 0 -1 0, a diagonal that begins with two numbers above 0, "
-        "and a last column that begins with 0 0");
+    table.refuse("projection",
+                 "is not a perspective: expected a last row of 0 0 -1 0, two numbers above 0 at the beginning of the "
+                 "diagonal, and 0 0 at the beginning of the last column");
 }
 
 void read_cameras(const StrictTable& job_table, AnimationJob& job) {
@@ -172,8 +174,8 @@ void read_cameras(const StrictTable& job_table, AnimationJob& job) {
   }
 }
 
-// Renders of one folder are made alike: what the first sample's files lack, none has. Files that differ are refused
-// when they are read.
+// All renders of a folder must have the same passes: if the first sample's files lack a pass, the job is refused. Other
+// files that differ are refused when they are read.
 void check_passes(const StrictTable& job_table, const AnimationJob& job) {
   const AnimationSample& sample = job.samples.front();
   const std::vector<std::string> channels = exr_channel_names(sample.radiance);
@@ -205,10 +207,9 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
     const StrictTable table(job.path, *object_tables[i], "object", {});
     if (!names.manifest.empty())
       check_known(table, "cryptomatte", name, names.manifest, "name in the manifest of " + sample->geometry);
-    log_warning(sample->geometry,
-                fmt::format("no pixel of Cryptomatte \"{}\" has the hash of \"{}\": the object is not seen there, or "
-                            "has another name",
-                            job.cryptomatte, name));
+    log_warning(sample->geometry, fmt::format("no pixel of Cryptomatte \"{}\" has the hash of \"{}\": the object is "
+                                              "not visible there, or has another name",
+                                              job.cryptomatte, name));
   }
 }
 

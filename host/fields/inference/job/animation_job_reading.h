@@ -9,12 +9,12 @@
 
 namespace multum {
 
-/// Reads and validates a job: unknown keys, values out of range, names that nothing answers to, missing samples and
-/// files are refused with the file's line. Throws Error(kInput), Error(kUsage) never.
+/// Reads and validates a job. Refuses unknown keys, values out of range, unknown names, missing samples and missing
+/// files, and names the line. Throws Error(kInput), never Error(kUsage).
 AnimationJob read_animation_job(const std::string& path);
 
-/// The files that a job names, as resolved, each once: read without looking at them or checking anything else. Throws
-/// Error(kInput) when the job is no TOML.
+/// Returns the resolved files that a job names, each once. Opens no file and checks nothing else. Throws Error(kInput)
+/// if the job is not TOML.
 std::vector<std::string> animation_job_files(const std::string& path);
 
 }  // namespace multum

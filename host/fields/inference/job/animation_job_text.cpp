@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job as TOML that a person may edit: every key is written, with its meaning where it comes first, and numbers with
-// the fewest digits that read back as the same number.
+// Writes a job as TOML for people to edit. Every key is written, with its meaning at its first use. Numbers have the
+// fewest digits that give the same number.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A TOML basic string: quotes, backslashes and control characters are escaped.
+// Returns a TOML basic string with escaped quotes, backslashes and control characters.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -52,23 +52,23 @@ std::string matrix_text(const glm::dmat4& m) {
 
 std::string settings_text(const AnimationJob& job, const std::string& folder) {
   return fmt::format(
-      "# A job of multum's texture inference; docs/reference/animation_jobs.md describes every key. Paths are against "
-      "this file.\n\n"
+      "# A job of multum's texture inference; docs/reference/animation_jobs.md describes every key. Paths are relative "
+      "to this file.\n\n"
       "geometry = {}  # scene file: OBJ, glTF, GLB\n"
       "uv_set = {}  # of texture coordinates; 0 is TEXCOORD_0\n"
       "width = {}  # of the pictures, pixels\n"
       "height = {}\n"
       "cryptomatte = {}  # prefix of its channels\n"
       "depth = {}  # channel: distance along -z of camera space at the pixel's centre; empty: none\n"
-      "depth_tolerance = {}  # relative; cameras whose depths are off by more are refused\n"
+      "depth_tolerance = {}  # relative; cameras whose depths differ by more are refused\n"
       "supersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\n"
       "radiance_max = {}  # brighter values are clipped to it and counted\n"
-      "coverage_min = {}  # pixels that an object covers less are left out\n",
+      "coverage_min = {}  # pixels with less coverage by an object are left out\n",
       quoted(relative_path(job.geometry_file, folder)), job.uv_set, job.width, job.height, quoted(job.cryptomatte),
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
 }
 
-// Only what differs from `defaults`; `with_comments` writes everything.
+// Writes only values that differ from `defaults`; with `with_comments`, everything.
 std::string texture_text(const AnimationTexture& t, const AnimationTexture& defaults, bool with_comments) {
   std::string text;
   const auto line = [&](const char* key, const auto& value, bool is_default, const char* comment) {
@@ -76,9 +76,9 @@ std::string texture_text(const AnimationTexture& t, const AnimationTexture& defa
     text += fmt::format("{} = {}{}{}\n", key, value, with_comments ? "  # " : "", with_comments ? comment : "");
   };
   line("wrap", quoted(t.wrap), t.wrap == defaults.wrap, "\"clamp\" or \"periodic\"");
-  line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "pixels that one texel may become at most");
+  line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "largest size of a texel in pixels");
   line("resolution_scale", t.resolution_scale, t.resolution_scale == defaults.resolution_scale,
-       "of each side, up to 8, after the stretch has been held");
+       "of each side, up to 8, after the stretch limit");
   line("power_of_two", t.power_of_two, t.power_of_two == defaults.power_of_two, "rounds each side up");
   line("side_max", t.side_max, t.side_max == defaults.side_max, "texels, 1 to 16384");
   line("anisotropy", t.anisotropy, t.anisotropy == defaults.anisotropy, "1 to 16, of the sampler");
@@ -93,23 +93,23 @@ std::string parameters_text(const AnimationJob& job) {
   for (const AnimationParameter& parameter : job.parameters)
     text += fmt::format(
         "[[parameter]]\nname = {}\ncount = {}  # samples along it\nview = {}  # moves the camera\n"
-        "block = {}  # neighbouring samples that share texture coordinates, where it moves anything; 0: all\n\n",
+        "block = {}  # neighbouring samples that share texture coordinates, if it moves anything; 0: all\n\n",
         quoted(parameter.name), parameter.count, parameter.is_view, parameter.block);
   return text;
 }
 
 std::string layers_text(const AnimationJob& job) {
-  std::string text = "# Parts of the radiance that are inferred each by itself; a layer's passes are added.\n";
+  std::string text = "# Parts of the radiance with textures of their own; a layer's passes are added.\n";
   for (const AnimationLayer& layer : job.layers)
     text += fmt::format(
         "[[layer]]\nname = {}\npasses = {}  # of channels PASS.R PASS.G PASS.B; \"\": R G B\n"
-        "depends_on = {}  # over other parameters one texture serves all samples\n\n",
+        "depends_on = {}  # one texture serves all samples along other parameters\n\n",
         quoted(layer.name), list(layer.passes), list(layer.depends_on));
   return text;
 }
 
 std::string objects_text(const AnimationJob& job) {
-  std::string text = "# What gets textures. No layers: all of them. [object.texture] changes [texture].\n";
+  std::string text = "# Objects that get textures. No layers: all layers. [object.texture] changes [texture].\n";
   for (const AnimationObject& object : job.objects) {
     text += fmt::format("[[object]]\nname = {}\nmesh = {}\ncryptomatte = {}\nindex = {}\nlayers = {}\n",
                         quoted(object.name), quoted(object.mesh), quoted(object.cryptomatte), object.index,
@@ -146,7 +146,7 @@ std::string sample_text(const AnimationJob& job, const AnimationSample& sample, 
 
 std::string animation_job_text(const AnimationJob& job, const std::string& folder) {
   std::string text = settings_text(job, folder);
-  text += "\n# How objects are textured, unless they say otherwise.\n[texture]\n" + texture_text({}, {}, true);
+  text += "\n# Texture settings of all objects without their own.\n[texture]\n" + texture_text({}, {}, true);
   text += parameters_text(job) + layers_text(job) + objects_text(job) + cameras_text(job);
   text += "# One for each point of the grid of parameters; at: the index along each.\n";
   for (const AnimationSample& sample : job.samples) text += sample_text(job, sample, folder);

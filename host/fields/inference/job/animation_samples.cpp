@@ -15,10 +15,10 @@
 namespace multum {
 namespace {
 
-// The number of a grid point, the last parameter fastest.
+// Returns the number of a grid point; the last parameter changes fastest.
 std::size_t grid_number(const StrictTable& table, const AnimationJob& job, const std::vector<int>& at) {
   if (at.size() != job.parameters.size())
-    table.refuse("at", fmt::format("has {} numbers, expected {}, one a parameter ({})", at.size(),
+    table.refuse("at", fmt::format("has {} numbers, expected {}, one per parameter ({})", at.size(),
                                    job.parameters.size(), fmt::join(names_of(job.parameters), ", ")));
   std::size_t number = 0;
   for (std::size_t i = 0; i < at.size(); ++i) {
@@ -58,18 +58,19 @@ std::map<std::string, glm::dmat4> read_motion(const StrictTable& table, const st
     check_known(matrices, mesh, mesh, meshes, "object of the geometry file");
     const glm::dmat4 m = matrices.matrix(mesh);
     if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
-      matrices.refuse(mesh, "has another last row than 0 0 0 1: rows are for column vectors");
+      matrices.refuse(mesh, "has a last row other than 0 0 0 1; expected rows for column vectors");
     if (!(std::abs(glm::determinant(glm::dmat3(m))) > 0.0)) matrices.refuse(mesh, "is flat: its determinant is 0");
     motion[mesh] = m;
   }
   return motion;
 }
 
-// Each object's pixels are told by its number in the object-index image, or by the Cryptomatte.
+// Checks that the object-index image or the Cryptomatte identifies each object's pixels.
 void check_objects_told(const StrictTable& table, const AnimationJob& job, const AnimationSample& sample) {
   const bool by_index = !sample.object_index.empty();
   if (!by_index && sample.geometry.empty())
-    table.refuse("", "has neither geometry nor object_index, so the pixels of objects cannot be told");
+    table.refuse(
+        "", "has neither geometry nor object_index, so the pixels of objects cannot be identified; add one of them");
   for (const AnimationObject& object : job.objects) {
     if (by_index && object.index == 0)
       table.refuse("object_index", fmt::format("is given, but object \"{}\" has no index", object.name));
@@ -105,7 +106,8 @@ std::string existing_file(const StrictTable& table, const std::string& key, cons
   const std::string name = table.path(key);
   const std::string path = (fs::path(job.path).parent_path() / name).lexically_normal().string();
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) table.refuse(key, fmt::format("is \"{}\": there is no file {}", name, path));
+  if (!fs::is_regular_file(path, error))
+    table.refuse(key, fmt::format("is \"{}\", but the file {} does not exist", name, path));
   return path;
 }
 
@@ -119,9 +121,11 @@ void read_animation_samples(const StrictTable& job_table, const std::vector<std:
                             {"at", "name", "radiance", "geometry", "object_index", "camera", "object_to_world"});
     AnimationSample sample = read_sample(table, meshes, job);
     const std::size_t number = grid_number(table, job, sample.at);
-    if (grid[number]) table.refuse("at", fmt::format("is [{}], which another one has", fmt::join(sample.at, ", ")));
+    if (grid[number])
+      table.refuse("at", fmt::format("is [{}], which another sample already has", fmt::join(sample.at, ", ")));
     if (!names.insert(sample.name).second)
-      table.refuse(table.has("name") ? "name" : "", fmt::format("is \"{}\", which another one has", sample.name));
+      table.refuse(table.has("name") ? "name" : "",
+                   fmt::format("is \"{}\", which another sample already has", sample.name));
     grid[number] = std::move(sample);
   }
   const auto is_missing = [](const std::optional<AnimationSample>& sample) { return !sample; };

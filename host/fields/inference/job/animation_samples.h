@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The [[sample]] tables of a job, in the order of the parameter grid; and what the readers of a job's parts share.
+// Reads the [[sample]] tables of a job in the order of the parameter grid. Also has helpers of all job readers.
 #pragma once
 
 #include <string>
@@ -17,15 +17,15 @@ std::vector<std::string> names_of(const std::vector<Item>& items) {
   return names;
 }
 
-/// Throws Error(kInput) listing the known names unless `name`, the value of `key`, is among them.
+/// Throws Error(kInput) with the known names, unless `name`, the value of `key`, is one of them.
 void check_known(const StrictTable& table, const std::string& key, const std::string& name,
                  const std::vector<std::string>& known, const std::string& what);
 
-/// The path that `key` names, against the job's folder. Throws Error(kInput) unless there is such a file.
+/// Returns the path of `key`, relative to the job's folder. Throws Error(kInput) if the file does not exist.
 std::string existing_file(const StrictTable& table, const std::string& key, const AnimationJob& job);
 
-/// Reads job.samples: one for each point of the grid of job.parameters. Throws Error(kInput): points that are missing
-/// or there twice, unknown cameras and objects, files that are not there, objects whose pixels cannot be told.
+/// Reads job.samples: one for each point of the grid of job.parameters. Throws Error(kInput) for missing or repeated
+/// points, unknown cameras and objects, missing files, and objects whose pixels cannot be identified.
 void read_animation_samples(const StrictTable& job_table, const std::vector<std::string>& meshes, AnimationJob& job);
 
 }  // namespace multum

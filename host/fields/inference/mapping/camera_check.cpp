@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brute force over all triangles, each behind a bounding sphere: 512 points against ten thousand triangles take some
-// ten milliseconds.
+// Compares points with all triangles by brute force, using bounding spheres: 512 points and ten thousand triangles take
+// about ten milliseconds.
 #include "host/fields/inference/mapping/camera_check.h"
 
 #include <algorithm>
@@ -18,12 +18,12 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPixelsMax = 512;  // a share of 10 % is then known to 1.3 %
-constexpr double kOffShareMax = 0.1;     // silhouettes and geometry that was left out of the file
+constexpr std::size_t kPixelsMax = 512;  // a share of 10 % is then known to within 1.3 %
+constexpr double kOffShareMax = 0.1;     // allows for silhouettes and for geometry that is missing in the file
 
 struct Triangle {
   glm::dvec3 a, b, c;
-  glm::dvec3 centre;  // of a sphere around it
+  glm::dvec3 centre;  // centre of its bounding sphere
   double radius;
 };
 
@@ -50,7 +50,7 @@ double segment_distance(const glm::dvec3& p, const glm::dvec3& a, const glm::dve
   return glm::distance(p, a + t * (b - a));
 }
 
-// To the plane where the foot of the perpendicular lies inside, else to the nearest side.
+// Returns the distance to the plane if the foot of the perpendicular is inside, else to the nearest side.
 double triangle_distance(const glm::dvec3& p, const Triangle& t) {
   const glm::dvec3 n = glm::cross(t.b - t.a, t.c - t.a);
   const bool is_inside = glm::dot(glm::cross(t.b - t.a, p - t.a), n) >= 0.0 &&
@@ -68,21 +68,22 @@ double distance_to(const std::vector<Triangle>& triangles, const glm::dvec3& p) 
   return nearest;
 }
 
-// With rows (0, 0, A, B) and (0, 0, -s, 0), z = w at a depth of B / (A + s); without such a plane, infinity.
+// Returns the depth of the far plane. With rows (0, 0, A, B) and (0, 0, -s, 0), z = w at a depth of B / (A + s);
+// infinity if there is no such plane.
 double far_depth(const glm::dmat4& projection) {
   const double far = projection[3][2] / (projection[2][2] - projection[2][3]);
   return far > 0.0 && std::isfinite(far) ? far : std::numeric_limits<double>::infinity();
 }
 
-// The point of camera space at `depth` along -z behind a pixel's centre: x and y of (projection * point) / w are the
-// pixel's.
+// Returns the camera-space point at `depth` along -z behind a pixel's centre. x and y of (projection * point) / w are
+// the pixel's coordinates.
 glm::dvec3 camera_point(const glm::dmat4& projection, const glm::dvec2& ndc, double depth) {
   const double w = -projection[2][3] * depth;
   const glm::dvec2 fixed(projection[2][0] * -depth + projection[3][0], projection[2][1] * -depth + projection[3][1]);
   return glm::dvec3(glm::inverse(glm::dmat2(projection)) * (ndc * w - fixed), -depth);
 }
 
-// Pixels that can be tested, thinned evenly.
+// Returns the pixels that can be tested, evenly thinned.
 std::vector<std::size_t> tested_pixels(const std::vector<float>& depth, const std::vector<float>& coverage, double far,
                                        CameraCheck& check) {
   std::vector<std::size_t> usable, tested;
@@ -124,9 +125,9 @@ CameraCheck check_camera(const AnimationJob& job, const AnimationSample& sample,
   const double off_share = static_cast<double>(check.off) / check.tested;
   if (off_share > kOffShareMax)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: sample {}: its depths do not lie on the objects as camera {} sees them: {:.0f} % of "
-                            "{} pixels are off by more than {} of their depth, the median distance is {:.3g}; expected "
-                            "at most {:.0f} %. Check the camera's matrices, depth, and the objects' placement",
+                fmt::format("{}: sample {}: its depths do not match the objects in camera {}: {:.0f} % of {} pixels "
+                            "differ by more than {} of their depth, and the median distance is {:.3g}; expected at "
+                            "most {:.0f} %. Check the camera's matrices, depth, and the placement of objects",
                             job.path, sample.name, camera.name, 100.0 * off_share, check.tested, job.depth_tolerance,
                             check.distance_median, 100.0 * kOffShareMax));
   return check;

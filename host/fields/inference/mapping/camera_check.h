@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that a camera fits its picture: depths of the picture, put back into the world, must lie on the objects.
+// Checks that a camera fits its picture: depths of the picture, projected back into the world, must be on the objects.
 #pragma once
 
 #include <vector>
@@ -11,16 +11,16 @@ namespace multum {
 
 struct CameraCheck {
   int tested = 0;                // pixels, at most 512
-  int off = 0;                   // of them, further from the objects than the tolerance
-  double distance_median = 0.0;  // of the tested pixels, world units
-  int nan_depths = 0;            // of all pixels; left out
+  int off = 0;                   // tested pixels whose distance to the objects exceeds the tolerance
+  double distance_median = 0.0;  // median of the tested pixels, world units
+  int nan_depths = 0;            // NaN depths of all pixels; left out
 };
 
-/// `depth`: the sample's depth channel, width * height, row 0 at the top; values that are not finite, not above 0 or
-/// not nearer than the far plane are left out. `coverage`: share of each pixel that the objects cover; pixels that they
-/// do not cover wholly are left out; empty: all pixels count. `objects`: of the geometry file; those that the sample
-/// moves are placed by it. Throws Error(kInput) naming sample and camera when more than a tenth of the tested pixels
-/// are off by more than job.depth_tolerance times their depth.
+/// `depth`: the sample's depth channel, width * height, row 0 at the top. Values are left out unless they are finite,
+/// above 0 and below the depth of the far plane. `coverage`: share of each pixel that the objects cover; partly covered
+/// pixels are left out; empty: all pixels count. `objects`: of the geometry file, with moving objects placed by the
+/// sample. Throws Error(kInput) naming sample and camera if more than a tenth of the tested pixels miss the objects by
+/// more than job.depth_tolerance times their depth.
 CameraCheck check_camera(const AnimationJob& job, const AnimationSample& sample, const std::vector<ObjectMesh>& objects,
                          const std::vector<float>& depth, const std::vector<float>& coverage);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clipping of convex polygons in homogeneous clip space, before the division by w (Sutherland and Hodgman 1974): what
-// crosses the near plane has no place on the screen. All attributes are linear there, perspective or not.
+// Clips convex polygons in homogeneous clip space, before the division by w (Sutherland and Hodgman 1974). Points
+// behind the near plane have no place on the screen. All attributes are linear in clip space, with and without
+// perspective.
 #pragma once
 
 #include <array>
@@ -19,21 +20,21 @@ struct ClipVertex {
   double depth = 0.0;  // along -z of camera space
 };
 
-/// Each plane adds at most one vertex: a triangle and the six planes below.
+/// Each plane adds at most one vertex: room for a triangle and the six planes below.
 struct ClipPolygon {
   std::array<ClipVertex, 9> vertices;
   std::size_t count = 0;
 };
 
-/// A point is kept where dot(plane, position) >= 0.
+/// A point is kept if dot(plane, position) >= 0.
 using ClipPlane = glm::dvec4;
 
-/// OpenGL's: z >= -w.
+/// The near plane of OpenGL: z >= -w.
 inline constexpr ClipPlane kNearPlane{0.0, 0.0, 1.0, 1.0};
-/// Before z >= -w, since a matrix whose near plane lies at the eye or behind it must not let w <= 0 pass.
+/// Clipped before z >= -w, so that a matrix whose near plane is at or behind the eye cannot let w <= 0 pass.
 inline constexpr double kWMin = 1e-9;
 
-/// The planes that bound x_low <= x / w <= x_high and y_low <= y / w <= y_high.
+/// Returns the planes for x_low <= x / w <= x_high and y_low <= y / w <= y_high.
 inline std::array<ClipPlane, 4> box_planes(glm::dvec2 low, glm::dvec2 high) {
   return {ClipPlane{1.0, 0.0, 0.0, -low.x}, ClipPlane{-1.0, 0.0, 0.0, high.x}, ClipPlane{0.0, 1.0, 0.0, -low.y},
           ClipPlane{0.0, -1.0, 0.0, high.y}};
@@ -41,8 +42,8 @@ inline std::array<ClipPlane, 4> box_planes(glm::dvec2 low, glm::dvec2 high) {
 
 namespace clip_detail {
 
-// From the inside vertex to the outside one, whichever way round the edge is walked: two triangles that share an edge
-// get the same bits for the new vertex, and no crack.
+// Always interpolates from the inside vertex to the outside vertex. Two triangles that share an edge then get the same
+// bits for the new vertex, without a crack.
 inline ClipVertex crossing(const ClipVertex& inside, const ClipVertex& outside, double d_inside, double d_outside) {
   const double t = d_inside / (d_inside - d_outside);
   return {inside.position + t * (outside.position - inside.position), inside.uv + t * (outside.uv - inside.uv),
@@ -64,7 +65,8 @@ void clip_by(ClipPolygon* polygon, const Distance& distance) {
 
 }  // namespace clip_detail
 
-/// What of a triangle lies in front of the near plane and inside `planes` (at most four); count 0 where nothing does.
+/// Returns the part of a triangle in front of the near plane and inside `planes` (at most four). Its count is 0 if
+/// nothing is left.
 inline ClipPolygon clip_triangle(const std::array<ClipVertex, 3>& triangle, std::span<const ClipPlane> planes) {
   ClipPolygon polygon;
   polygon.count = 3;

@@ -17,7 +17,8 @@ namespace {
 
 using TexelSum = std::array<double, 4>;  // three colours and the weight
 
-// Texture coordinates across a triangle, perspective included: [s q, t q, q] = map * (x, y, 1) in clip space over w.
+// Returns the map of texture coordinates across a triangle, with perspective: [s q, t q, q] = map * (x, y, 1) in clip
+// space over w.
 std::optional<glm::dmat3> texture_map(const ObjectMesh& mesh, const std::vector<glm::vec2>& corners,
                                       const glm::dmat4& object_to_clip, std::size_t triangle) {
   glm::dmat3 clip, texture;
@@ -90,8 +91,8 @@ class Splatter {
       }
   }
 
-  // Pull: coarse texels add up what is known; push: what is unknown is interpolated from the coarser level. Then the
-  // coarse levels are made anew, as boxes of the filled finest.
+  // Pull: coarse texels sum the known texels. Push: unknown texels are interpolated from the coarser level. Then the
+  // coarse levels are computed again as box averages of the filled finest level.
   void fill_holes() {
     for (std::size_t l = 0; l + 1 < layout_.levels.size(); ++l)
       layout_.for_each_child(l, [&](std::size_t parent, std::size_t texel) {

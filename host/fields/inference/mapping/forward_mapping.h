@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baseline of texture inference: "forward mapping" (Hakura et al. 2000, sections 3.2 and 3.3), which knows nothing
-// of the GL's filter. Every pixel's colour is put into the four texels around its texture coordinate, bilinearly;
-// texels are normalised; what no pixel reached is filled from coarser levels (pull-push); mips are box-filtered. The
-// paper's baseline has a Lanczos-windowed sinc of 16 x 16 taps in the place of the bilinear splat, and reflects the
-// layer at its borders where this fills: ours spreads a pixel less far and has no ringing.
+// Computes the baseline of texture inference: "forward mapping" (Hakura et al. 2000, sections 3.2 and 3.3), which
+// ignores OpenGL's filter. Every pixel's colour is added bilinearly to the four texels around its texture coordinate,
+// and texels are normalized. Texels without pixels are filled from coarser levels (pull-push). Mips are box-filtered.
+// The paper's baseline uses a Lanczos-windowed sinc of 16 x 16 taps instead of bilinear weights, and reflects the layer
+// at its borders instead of filling. This version spreads a pixel less far and has no ringing.
 #pragma once
 
 #include <vector>
@@ -22,7 +22,7 @@ struct ForwardView {
   const ObjectLayer* layer;
 };
 
-/// Three a texel, MipLayout's order, in the layer's units.
+/// Returns three values per texel in the order of MipLayout, in the layer's units.
 std::vector<float> forward_mapped(const ObjectMesh& mesh, const TextureMapping& mapping,
                                   const std::vector<ForwardView>& views);
 

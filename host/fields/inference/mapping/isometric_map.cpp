@@ -2,11 +2,11 @@
 // With e the edge in texture coordinates, l = |R e|, s its length on the screen, eq. 7 is
 //     f(R) = sum W g(l),   g(l) = ((l - s) / min(s, l))^2 = (l / s - 1)^2 for l >= s,  (s / l - 1)^2 for l < s,
 //     g'(l) = 2 (l / s - 1) / s                            for l >= s,  -2 (s / l - 1) s / l^2 for l < s,
-// both with value 0 and second derivative 2 / s^2 at l = s: f is smooth enough for conjugate gradient. As
-// l^2 = e^T R^T R e, dl/dR = (R e) e^T / l, and
+// Both branches have value 0 and second derivative 2 / s^2 at l = s: f is smooth enough for conjugate gradient. As l^2
+// = e^T R^T R e, dl/dR = (R e) e^T / l, and
 //     grad f = sum W g'(l) / l (R e) e^T.
-// The search is for Q in R = Q R_0 from Q = 1, with edges R_0 e: how u and v are scaled in the mesh does not matter
-// then.
+// The search is for Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
+// mesh scales u and v.
 #include "host/fields/inference/mapping/isometric_map.h"
 
 #include <algorithm>
@@ -43,9 +43,9 @@ class Objective {
   bool is_diagonal_;
 };
 
-// A point on the ray where the slope has fallen to a tenth: doubling until the minimum is passed, then the secant
-// between both sides, kept a tenth away from either. f is infinite where an edge vanishes, so that a minimum is always
-// passed.
+// Returns a point on the ray where the slope has fallen to a tenth. The step is doubled until it passes the minimum.
+// The secant between both sides follows, at least a tenth away from either side. f is infinite where an edge vanishes,
+// so a minimum is always passed.
 Point line_minimum(const Objective& objective, const Point& start, const glm::dmat2& direction, double* step) {
   constexpr int kTries = 40;
   const double slope_start = dot(start.gradient, direction);
@@ -115,12 +115,12 @@ glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm:
   const Objective objective(scaled, settings.is_diagonal);
   Point here = objective.at(glm::dmat2(1.0));
   glm::dmat2 direction = -here.gradient;
-  double step = 0.1;  // of Q, whose elements are about 1
+  double step = 0.1;  // step of Q, whose elements are about 1
   for (int i = 0; i < settings.iterations_max && dot(here.gradient, here.gradient) > 1e-24; ++i) {
-    if (dot(direction, here.gradient) >= 0.0) direction = -here.gradient;  // not downhill: start again
+    if (dot(direction, here.gradient) >= 0.0) direction = -here.gradient;  // not downhill: restart
     const Point next = line_minimum(objective, here, direction, &step);
     const double decrease = here.cost - next.cost;
-    // Polak and Ribiere's factor, not below 0.
+    // The factor of Polak and Ribiere, at least 0.
     const double beta = std::max(0.0, (dot(next.gradient, next.gradient) - dot(next.gradient, here.gradient)) /
                                           dot(here.gradient, here.gradient));
     direction = beta * direction - next.gradient;

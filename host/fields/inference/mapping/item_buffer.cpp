@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corners are rounded to 2^-14 of a pixel and edges are tested in whole numbers, exactly: around a corner no pixel is
-// missed and none is drawn twice, which rounded edge functions cannot promise. The rounding moves a silhouette by less
-// than a ten-thousandth of a pixel. Depth is interpolated in double precision.
+// Rounds corners to 2^-14 of a pixel and tests edges exactly in whole numbers. Around a corner no pixel is missed or
+// drawn twice, which rounded edge functions cannot guarantee. The rounding moves a silhouette by less than a
+// ten-thousandth of a pixel. Depth is interpolated in double precision.
 #include "host/fields/inference/mapping/item_buffer.h"
 
 #include <algorithm>
@@ -17,22 +17,22 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kUnitsPerPixel = 1 << 14;
-// Triangles are cut this many pixels from the origin, well outside of every picture: differences of corners stay below
-// 2^30 units and products of two of them, and their sums, below 2^62.
+// Triangles are clipped this many pixels from the origin, well outside every picture. Differences of corners then stay
+// below 2^30 units, and products of two differences and their sums below 2^62.
 constexpr double kGuardPixels = 1 << 15;
 
 struct ScreenVertex {
-  std::int64_t x, y;  // in units, y downwards
+  std::int64_t x, y;  // position in units, y downwards
   double depth_over_w, one_over_w;
 };
 
 struct Edge {
   std::int64_t step_x, step_y, value;  // value at the centre of the first pixel; steps of a whole pixel
-  std::int64_t bias;                   // -1 where a pixel on the edge belongs to the triangle on the other side
+  std::int64_t bias;                   // -1 if a pixel on the edge belongs to the triangle on the other side
 };
 
-// Twice the signed area of (a, b, p), positive inside when the triangle turns clockwise on the screen (y downwards). A
-// pixel on the edge belongs to the triangle on one side: the top-left rule.
+// Computes twice the signed area of (a, b, p), which is positive inside if the triangle is clockwise on the screen (y
+// downwards). A pixel on a shared edge belongs to one triangle only, by the top-left rule.
 Edge make_edge(const ScreenVertex& a, const ScreenVertex& b, std::int64_t x, std::int64_t y) {
   const std::int64_t dx = b.x - a.x, dy = b.y - a.y;
   const bool is_top_left = dy < 0 || (dy == 0 && dx > 0);
@@ -47,7 +47,7 @@ ScreenVertex to_screen(const ClipVertex& vertex, int width, int height) {
           vertex.depth * one_over_w, one_over_w};
 }
 
-// The first pixel whose centre is not left of (above) `unit`.
+// Returns the first pixel whose centre is not left of (above) `unit`.
 int first_centre(std::int64_t unit) {
   const std::int64_t shifted = unit - kUnitsPerPixel / 2 + kUnitsPerPixel - 1;
   return static_cast<int>(shifted >= 0 ? shifted / kUnitsPerPixel : -1);
@@ -66,7 +66,7 @@ struct PixelBounds {
   int x_begin, x_end, y_begin, y_end;
 };
 
-// The pixels whose centres may lie in the triangle.
+// Returns the pixels whose centres may be in the triangle.
 PixelBounds pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& items) {
   const auto [x_low, x_high] = std::minmax({v[0].x, v[1].x, v[2].x});
   const auto [y_low, y_high] = std::minmax({v[0].y, v[1].y, v[2].y});
@@ -74,8 +74,8 @@ PixelBounds pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& it
           std::max(0, first_centre(y_low)), std::min(items.height, first_centre(y_high + 1))};
 }
 
-// `share`: of each corner, not negative, their sum positive. z/w and 1/w are linear on the screen, for an orthographic
-// projection too; the quotient is a mean of the corners' depths and cannot leave their range.
+// `share`: one per corner, not negative, with a positive sum. z/w and 1/w are linear on the screen, also for an
+// orthographic projection. Their quotient is a mean of the corners' depths and stays in the range of these depths.
 void draw_pixel(const std::array<ScreenVertex, 3>& v, const std::array<std::int64_t, 3>& share, Item item,
                 std::size_t pixel, DepthBuffer* buffer) {
   double over_w = 0.0, depth = 0.0;
@@ -99,7 +99,7 @@ void draw_triangle(std::array<ScreenVertex, 3> v, Item item, DepthBuffer* buffer
   if (box.x_begin >= box.x_end || box.y_begin >= box.y_end) return;
   const std::int64_t x_first = box.x_begin * kUnitsPerPixel + kUnitsPerPixel / 2;
   const std::int64_t y_first = box.y_begin * kUnitsPerPixel + kUnitsPerPixel / 2;
-  // Edge i faces corner i: its value is that corner's share of the area.
+  // Edge i is opposite corner i: its value is the corner's share of the area.
   std::array<Edge, 3> edges = {make_edge(v[1], v[2], x_first, y_first), make_edge(v[2], v[0], x_first, y_first),
                                make_edge(v[0], v[1], x_first, y_first)};
   for (int y = box.y_begin; y < box.y_end; ++y) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pixel b = sum_k c_k b_k with coverages c_k that sum to 1, the background one of them. With m_k what object k looks
-// like nearby, the parts nearest to m_k (in the least squares of their differences) that add up to the pixel are
+// A pixel b = sum_k c_k b_k has coverages c_k that sum to 1, including the background. m_k is the appearance of object
+// k nearby. The parts that add up to the pixel, and are nearest to m_k in least squares, are
 //     b_k = m_k + r c_k / sum_j c_j^2,   r = b - sum_j c_j m_j.
-// Values are clipped last: clipped before, a highlight that shares a pixel would leak into its neighbour.
+// Values are clipped last. If they were clipped before, a highlight that shares a pixel would leak into its neighbour.
 #include "host/fields/inference/mapping/layer_segmentation.h"
 
 #include <algorithm>
@@ -22,10 +22,10 @@ enum class PixelState : std::uint8_t { kValid, kNotFinite, kNegative };
 
 struct GaussKernel {
   int radius;
-  std::vector<double> weights;  // by distance along one axis, the other's multiply
+  std::vector<double> weights;  // weights by distance along one axis; weights of both axes multiply
 };
 
-// sigma, and doubled up to sigma_max.
+// Makes kernels of sigma, then of doubled sigmas up to sigma_max.
 std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
   std::vector<GaussKernel> kernels;
   for (double sigma = settings.sigma; kernels.empty() || sigma <= settings.sigma_max; sigma *= 2.0) {
@@ -36,7 +36,7 @@ std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
   return kernels;
 }
 
-/// The picture with the background as the last object, and what tells in constant time whether a window of pixels has a
+/// The picture with the background as the last object. Tables tell in constant time whether a window of pixels has a
 /// wholly covered one.
 class Segmentation {
  public:
@@ -53,7 +53,7 @@ class Segmentation {
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
-  // Outside of 0..1, NaN included, is not the picture's fault and never makes a value.
+  // Limits coverage to 0..1. NaN counts as 0, because only the coverage is wrong, not the picture.
   double coverage(std::size_t object, std::size_t pixel) const {
     const float c = object < input_.coverages.size() ? input_.coverages[object][pixel] : background_[pixel];
     return c > 0.0f ? std::min(1.0, static_cast<double>(c)) : 0.0;
@@ -78,7 +78,8 @@ class Segmentation {
   std::vector<GaussKernel> kernels_;
   std::vector<float> background_;
   std::vector<PixelState> state_;
-  std::vector<std::vector<std::int32_t>> whole_count_;  // per object: of pixels above and to the left, as a sum table
+  // Per object: count of pixels above and to the left, as a sum table.
+  std::vector<std::vector<std::int32_t>> whole_count_;
 };
 
 Segmentation::Segmentation(const SegmentationInput& input, const SegmentationSettings& settings)
@@ -124,7 +125,7 @@ bool Segmentation::whole_in_reach(std::size_t object, int x, int y, int radius) 
   return table[y1 + x1] - table[y1 + x0] - table[y0 + x1] + table[y0 + x0] > 0;
 }
 
-// m_k: the picture under the object's mask filtered by a Gaussian, divided by the mask under the same filter.
+// Computes m_k: the picture under the object's mask, filtered by a Gaussian, divided by the filtered mask.
 bool Segmentation::nearby(std::size_t object, int x, int y, Colour* mean) const {
   const auto kernel = std::find_if(kernels_.begin(), kernels_.end(), [&](const GaussKernel& candidate) {
     return whole_in_reach(object, x, y, candidate.radius);
@@ -185,7 +186,7 @@ void Segmentation::unmix(int x, int y, std::vector<ObjectLayer>* layers, Segment
   }
 }
 
-// The Gaussian mean of the object's own values in valid pixels, by what they cover.
+// Replaces a value by the Gaussian mean of the object's valid values, weighted by coverage.
 bool Segmentation::repair(const ObjectLayer& layer, std::size_t object, int x, int y, Colour* mean) const {
   const GaussKernel& kernel = kernels_.front();
   Colour sum{};
@@ -204,7 +205,7 @@ bool Segmentation::repair(const ObjectLayer& layer, std::size_t object, int x, i
   return true;
 }
 
-// Reads values of valid pixels only and writes the others: the order of pixels does not matter.
+// Reads only valid pixels and writes only the others, so the order of pixels does not matter.
 void Segmentation::repair_object(std::size_t object, ObjectLayer* layer, SegmentationReport* report) const {
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x) {
@@ -273,7 +274,7 @@ void SegmentationReport::add(const SegmentationReport& other) {
 
 bool has_radiance(const ObjectLayer& layer, double radiance_max) {
   constexpr double kShare = 1.0 / 4096;
-  // Silhouettes may hold a little of what is beside: they count only where there is nothing else.
+  // Silhouettes may include a little of their surroundings. They count only if there is nothing else.
   for (const float coverage_min : {kWholeCoverage, 0.0f}) {
     double sum = 0.0;
     std::size_t count = 0;

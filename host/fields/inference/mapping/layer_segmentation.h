@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Segmenting ray-traced images (Hakura et al. 2000, section 3.1): a layer's picture and every object's coverage to a
-// picture for each object, without bleeding across silhouettes. The paper filters the supersampled picture under the
-// object's mask and divides by the filtered mask; here the picture has been filtered already, as renderers store it, so
-// that a mixed pixel is taken apart by what its objects look like nearby.
+// Splits ray-traced images into objects (Hakura et al. 2000, section 3.1): from a layer's picture and every object's
+// coverage to one picture per object, without bleeding across silhouettes. The paper filters the supersampled picture
+// under the object's mask and divides by the filtered mask. Here renderers have already filtered the picture, so a
+// mixed pixel is split by the appearance of its objects nearby.
 #pragma once
 
 #include <cstddef>
@@ -11,36 +11,36 @@
 
 namespace multum {
 
-/// Share of a pixel from which on it counts as covered wholly: renderers' and the GL's shares are sums of many, and end
-/// a little below 1.
+/// Pixels with at least this share count as wholly covered: shares of renderers and OpenGL are sums of many terms, and
+/// end slightly below 1.
 constexpr float kWholeCoverage = 0.999f;
 
 struct SegmentationSettings {
   double sigma = 1.0;       // pixels, > 0, of the Gaussian; its radius is 3 sigma
-  double sigma_max = 16.0;  // pixels: doubled up to it where no wholly covered pixel is in reach
+  double sigma_max = 16.0;  // pixels: sigma doubles up to this while no wholly covered pixel is in reach
   double coverage_whole = static_cast<double>(kWholeCoverage);  // (0.5, 1]
-  double coverage_min = 1.0 / 64;  // [0, 1): less covered pixels are absent from the object's layer
+  double coverage_min = 1.0 / 64;  // [0, 1): pixels with less coverage are absent from the object's layer
   double radiance_max = 1.0;       // > 0
-  double radiance_min = -1e-3;     // <= 0: below it a value is an error; up to 0, ringing of the renderer's filter
+  double radiance_min = -1e-3;     // <= 0: lower values are errors; values up to 0 are ringing of the renderer's filter
   int threads = 0;                 // <= 0: as many as the machine has
 };
 
 struct SegmentationInput {
   int width = 0, height = 0;
   std::span<const float> rgb;                     // 3 per pixel
-  std::vector<std::span<const float>> coverages;  // of each object, 0..1 per pixel
+  std::vector<std::span<const float>> coverages;  // coverage by each object, 0..1 per pixel
 };
 
-/// Pixels are of objects' layers: a pixel that two objects share counts twice. Values are of one channel.
+/// Pixels count per object's layer: a pixel that two objects share counts twice. Values are of single channels.
 struct SegmentationReport {
   std::size_t not_finite_pixels = 0;  // NaN or infinite in some channel
   std::size_t negative_pixels = 0;    // finite, and below radiance_min in some channel
-  std::size_t repaired_pixels = 0;    // of these, replaced by the mean of the object's valid neighbours
-  std::size_t dropped_pixels = 0;     // of these, without such neighbours: coverage 0
-  std::size_t mixed_pixels = 0;       // taken apart
-  std::size_t unguided_pixels = 0;    // of these, without a wholly covered pixel of the object in reach
-  std::size_t clamped_values = 0;     // below 0 after taking apart, set to 0
-  std::size_t clipped_values = 0;     // above radiance_max, set to it
+  std::size_t repaired_pixels = 0;    // invalid pixels replaced by the mean of the object's valid neighbours
+  std::size_t dropped_pixels = 0;     // invalid pixels without such neighbours: coverage 0
+  std::size_t mixed_pixels = 0;       // pixels split between objects
+  std::size_t unguided_pixels = 0;    // mixed pixels without a wholly covered pixel of the object in reach
+  std::size_t clamped_values = 0;     // negative after splitting, set to 0
+  std::size_t clipped_values = 0;     // values above radiance_max, set to it
 
   void add(const SegmentationReport& other);
 };
@@ -50,13 +50,13 @@ struct ObjectLayer {
   std::vector<float> rgb;       // 3 per pixel, 0..radiance_max
 };
 
-/// One layer for each object, in order. The bytes do not depend on the number of threads. `report` may be null.
+/// Returns one layer per object, in order. The bytes do not depend on the number of threads. `report` may be null.
 std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const SegmentationSettings& settings,
                                        SegmentationReport* report);
 
-/// Whether the object has the layer at all: the root mean square over its wholly covered pixels is above 1/4096 of
-/// radiance_max, a step of 12 bits. A small highlight is well above it; what a renderer's lossy compression leaves
-/// where there was nothing is well below.
+/// Returns whether the object is in the layer at all: the root mean square over its wholly covered pixels is above
+/// 1/4096 of radiance_max, a step of 12 bits. A small highlight is far above this threshold. Artefacts of lossy
+/// compression in black areas are far below.
 bool has_radiance(const ObjectLayer& layer, double radiance_max);
 
 }  // namespace multum

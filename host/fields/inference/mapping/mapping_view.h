@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// One picture in which the object is seen.
+/// One picture that shows the object.
 struct MappingView {
   glm::dmat4 object_to_camera;
   glm::dmat4 projection;

@@ -15,7 +15,7 @@ bool is_same_place(const AnimationSample& a, const AnimationSample& b) {
   return a.camera == b.camera && a.object_to_world == b.object_to_world;
 }
 
-// Steps from a sample to the next along a parameter.
+// Returns the distance between neighbouring samples along a parameter.
 std::size_t stride_of(const std::vector<AnimationParameter>& parameters, std::size_t d) {
   std::size_t stride = 1;
   for (std::size_t below = d + 1; below < parameters.size(); ++below)
@@ -36,7 +36,7 @@ int point_count(const std::vector<ParameterRange>& ranges, const std::vector<std
   return count;
 }
 
-// Sets the indices of the `number`-th point, the last dimension fastest.
+// Sets the indices of the `number`-th point; the last dimension changes fastest.
 void count_up(const std::vector<ParameterRange>& ranges, const std::vector<std::size_t>& dimensions, int number,
               std::vector<int>& at) {
   for (std::size_t i = dimensions.size(); i-- > 0;) {
@@ -46,8 +46,8 @@ void count_up(const std::vector<ParameterRange>& ranges, const std::vector<std::
   }
 }
 
-// The same points, each a neighbour of the one before: a dimension runs backwards where the steps of those above it
-// add up to an odd number.
+// Visits the same points so that each is a neighbour of the previous one. A dimension runs backwards if the steps of
+// the dimensions above it have an odd sum.
 void plough(const std::vector<ParameterRange>& ranges, const std::vector<std::size_t>& dimensions, int number,
             std::vector<int>& at) {
   count_up(ranges, dimensions, number, at);
@@ -132,7 +132,7 @@ int ParameterGrid::sample_at(const std::vector<int>& at) const {
 }
 
 std::vector<ParameterPoint> ParameterGrid::points(const AnimationLayer& layer) const {
-  std::vector<bool> is_fixed(parameters_.size());  // the layer depends on it: one index a point
+  std::vector<bool> is_fixed(parameters_.size());  // the layer depends on this parameter: one index per point
   for (std::size_t d = 0; d < parameters_.size(); ++d)
     is_fixed[d] =
         std::find(layer.depends_on.begin(), layer.depends_on.end(), parameters_[d].name) != layer.depends_on.end();

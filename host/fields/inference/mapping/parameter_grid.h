@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Groups the samples of the grid of parameters: the blocks that share texture coordinates (Hakura et al. 2000, section
-// 3.4), the poses that share filter matrices, and the points of a layer, each with one texture.
+// Groups the samples of the parameter grid: blocks that share texture coordinates (Hakura et al. 2000, section 3.4),
+// poses that share filter matrices, and points of a layer, each with one texture.
 #pragma once
 
 #include <map>
@@ -13,16 +13,16 @@
 
 namespace multum {
 
-/// A camera and where the objects are, in one block: its samples share their filter matrices, whatever the light does.
+/// A camera and the places of objects in one block. Samples of a pose share their filter matrices under any light.
 struct AnimationPose {
-  std::string name;  // of its first sample
+  std::string name;  // name of its first sample
   int camera = 0;
   int block = 0;
   std::map<std::string, glm::dmat4> object_to_world;
   std::vector<int> samples;
 };
 
-/// What one texture of a layer serves: the samples of a block that agree in what the layer depends on.
+/// The samples that one texture of a layer serves: samples of a block that agree in the layer's parameters.
 struct ParameterPoint {
   std::string name;  // "light03", "view00-07", "all"
   int block = 0;
@@ -36,20 +36,21 @@ struct ParameterRange {
 
 class ParameterGrid {
  public:
-  /// Keeps no reference to the job. Its samples are in the order of the grid, the last parameter fastest.
+  /// Keeps no reference to the job. Samples are in the order of the grid; the last parameter changes fastest.
   explicit ParameterGrid(const AnimationJob& job);
 
-  /// Blocks of neighbouring samples, AnimationParameter::block along each parameter. Only parameters that move the
-  /// camera or an object count: what the others change is not where things are.
+  /// Returns the number of blocks of neighbouring samples, AnimationParameter::block along each parameter. Only
+  /// parameters that move the camera or an object divide blocks; others do not change places.
   int block_count() const { return block_count_; }
-  /// "view00-07"; "all" where there is one.
+  /// Returns "view00-07", or "all" if there is one block.
   std::string block_name(int block) const;
   int block_of(int sample) const { return block_of_sample_[static_cast<std::size_t>(sample)]; }
   const std::vector<AnimationPose>& poses() const { return poses_; }
   int pose_of(int sample) const { return pose_of_sample_[static_cast<std::size_t>(sample)]; }
 
-  /// All points of a layer, block by block, and in a block each a neighbour of the one before: as an ox ploughs,
-  /// parameters of views slowest, so that neighbours share their filter matrices as long as they can.
+  /// Returns all points of a layer, block by block. Within a block each point is a neighbour of the previous one
+  /// (boustrophedon order). View parameters change slowest, so that neighbours share filter matrices as long as
+  /// possible.
   std::vector<ParameterPoint> points(const AnimationLayer& layer) const;
 
  private:
@@ -61,7 +62,7 @@ class ParameterGrid {
   int sample_at(const std::vector<int>& at) const;
 
   std::vector<AnimationParameter> parameters_;
-  std::vector<int> block_sizes_;  // along each parameter: its count where there are no blocks
+  std::vector<int> block_sizes_;  // along each parameter; its count if it has no blocks
   std::vector<int> block_counts_;
   int block_count_ = 1;
   std::vector<int> block_of_sample_;

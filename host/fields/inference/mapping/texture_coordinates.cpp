@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steps are those of section 3.4, in the paper's order. Departures:
-// - Extents of step 1 are those of the triangles in the item buffers, whole: a cut through one's hidden part would tear
-//   it. A direction whose coordinates fill one period without a gap is periodic only if the surface joins there.
-// - Where the largest singular value is below the threshold after step 2, the map is made smaller until it is reached:
-//   the paper asks for as few samples as possible. Steps 3 and 4 only make it larger.
-// - Step 5 takes in what is visible, not whole triangles: most of a large wall may be hidden.
+// Follows the steps of section 3.4 in the paper's order. Departures:
+// - Extents of step 1 are of whole triangles in the item buffers: a cut through a triangle's hidden part would tear it.
+//   A direction whose coordinates fill one period without a gap is periodic only if the surface joins there.
+// - If the largest singular value is below the threshold after step 2, the map is made smaller until it reaches the
+//   threshold: the paper asks for as few samples as possible. Steps 3 and 4 only make the map larger.
+// - Step 5 includes visible parts instead of whole triangles: most of a large wall may be hidden.
 #include "host/fields/inference/mapping/texture_coordinates.h"
 
 #include <algorithm>
@@ -26,14 +26,14 @@
 namespace multum {
 namespace {
 
-// Gaps and periods are told from float coordinates near 1 with an error of 2^-24 and what exporters add to it.
+// Gaps and periods are detected from float coordinates near 1, with an error of 2^-24 plus the errors of exporters.
 constexpr double kPeriodTolerance = 1e-5;
 
 struct SeenMesh {
   const ObjectMesh& mesh;
   const std::vector<MappingView>& views;
   std::vector<VisiblePixels> pixels;             // one per view
-  std::vector<std::uint32_t> visible_triangles;  // in any view, ascending
+  std::vector<std::uint32_t> visible_triangles;  // triangles visible in any view, ascending
 };
 
 SeenMesh look(const ObjectMesh& mesh, const std::vector<MappingView>& views) {
@@ -63,9 +63,10 @@ Interval triangle_extent(const ObjectMesh& mesh, std::uint32_t triangle, glm::le
   return extent;
 }
 
-// The middle of the largest gap between intervals on a circle of circumference 1; none where they leave no gap.
+// Returns the middle of the largest gap between intervals on a circle of circumference 1; nullopt: no gap.
 std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
-  double covered = -std::numeric_limits<double>::infinity();  // up to where, from the period before
+  // End of the covered part, starting from the previous period.
+  double covered = -std::numeric_limits<double>::infinity();
   for (Interval& interval : intervals) {
     const double period = std::floor(interval.low);
     interval = {interval.low - period, interval.high - period};
@@ -84,8 +85,8 @@ std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
   return middle;
 }
 
-// Whether visible triangles meet across the seam: vertices in one place whose coordinates are whole periods apart in
-// `direction` and equal in the other. Places are compared to a millionth of the object's size.
+// Returns whether visible triangles meet across the seam: vertices in one place, whose coordinates differ by whole
+// periods in `direction` and are equal in the other direction. Places are compared to a millionth of the object's size.
 bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   struct Corner {
     glm::dvec3 place;
@@ -101,7 +102,7 @@ bool is_joined(const SeenMesh& scene, glm::length_t direction) {
       corners.push_back({glm::round(glm::dvec3(scene.mesh.positions[vertex]) * (1e6 / size)) + 0.0,
                          glm::dvec2(scene.mesh.uvs[vertex])});
     }
-  // Of corners in one place, those alike in the other direction come together, ascending in this one.
+  // Sorts corners by place, then by the other direction, then ascending in this direction.
   std::sort(corners.begin(), corners.end(), [&](const Corner& a, const Corner& b) {
     const auto key = [&](const Corner& c) {
       return std::tuple(c.place.x, c.place.y, c.place.z, std::round(c.uv[1 - direction] / kPeriodTolerance),
@@ -119,7 +120,7 @@ bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   return false;
 }
 
-// Step 1: reposition the branch cut in a texture dimension that has wrapping enabled.
+// Step 1: moves the branch cut in a texture dimension with wrapping.
 void cut_branch(const SeenMesh& scene, std::size_t direction, TextureMapping* mapping) {
   const auto axis = static_cast<glm::length_t>(direction);
   WrapMode* wrap = direction == 0 ? &mapping->wrap_s : &mapping->wrap_t;
@@ -142,9 +143,9 @@ std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
   return {mapping.wrap_s == WrapMode::kPeriodic, mapping.wrap_t == WrapMode::kPeriodic};
 }
 
-// Step 2: the least-squares most isometric affine map, eq. 7, texels of the screen's resolution. The start is a root of
-// the mean of S^T S over visible pixels, S the Jacobian of texture coordinates to screen: its singular values are those
-// of S in the mean, however the mesh scales u and v.
+// Step 2: finds the most isometric affine map in the least-squares sense, eq. 7, with texels of the screen's
+// resolution. The start is a root of the mean of S^T S over visible pixels; S is the Jacobian from texture coordinates
+// to screen. The start's singular values are the mean values of S, however the mesh scales u and v.
 glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   glm::dmat2 mean(0.0);
   std::vector<IsometricEdge> edges;
@@ -161,13 +162,13 @@ glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   std::size_t count = 0;
   for (const VisiblePixels& pixels : scene.pixels) count += pixels.count;
   mean /= static_cast<double>(count);
-  // Cholesky: mean = R^T R with R upper triangular, its element b zero where the map must stay diagonal.
+  // Cholesky: mean = R^T R with R upper triangular. Its element b is zero if the map must stay diagonal.
   glm::dmat2 start(0.0);
   start[0][0] = std::sqrt(mean[0][0]);
   start[1][0] = is_diagonal ? 0.0 : mean[1][0] / start[0][0];
   start[1][1] = std::sqrt(mean[1][1] - start[1][0] * start[1][0]);
   const double det = start[0][0] * start[1][1];
-  if (!std::isfinite(det) || !(det > 0.0)) return glm::dmat2(1.0);  // nothing but degenerate pixels
+  if (!std::isfinite(det) || !(det > 0.0)) return glm::dmat2(1.0);  // only degenerate pixels
   IsometricSettings settings;
   settings.is_diagonal = is_diagonal;
   return fit_isometric_map(edges, start, settings);
@@ -179,9 +180,9 @@ struct Stretch {
   std::size_t degenerate_pixels = 0;
 };
 
-// With B = d(texel)/d(pixel), the largest singular value of B^-1 is one over the smallest of B, and its direction in
-// texels is B's left singular vector: the eigenvector of B B^T. The smallest singular value is |det B| over the
-// largest, which does not cancel.
+// With B = d(texel)/d(pixel), the largest singular value of B^-1 is one over the smallest of B. Its direction in texels
+// is the left singular vector of B: the eigenvector of B B^T. The smallest singular value is |det B| over the largest,
+// which avoids cancellation.
 Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
   Stretch stretch;
   double squared = 0.0;
@@ -197,7 +198,7 @@ Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
         ++stretch.degenerate_pixels;
       } else if (value > squared) {
         squared = value;
-        const double angle = 0.5 * std::atan2(2.0 * q, p - r);  // of the largest eigenvalue
+        const double angle = 0.5 * std::atan2(2.0 * q, p - r);  // angle of the largest eigenvalue
         stretch.direction = {-std::sin(angle), std::cos(angle)};
       }
     }
@@ -222,7 +223,7 @@ Stretch largest_stretch(const SeenMesh& scene, const glm::dmat2& map) {
   return all;
 }
 
-// The map with texels along `direction` made smaller by `factor`; a diagonal map is scaled along the nearer axis.
+// Returns the map with smaller texels along `direction`, by `factor`. A diagonal map is scaled along the nearer axis.
 glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double factor, bool is_diagonal) {
   if (is_diagonal)
     direction = std::abs(direction.x) >= std::abs(direction.y) ? glm::dvec2(1.0, 0.0) : glm::dvec2(0.0, 1.0);
@@ -232,8 +233,9 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
 // Steps 3 and 4: scale along the direction of maximal stretch until the threshold holds everywhere.
 glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
-  constexpr int kRoundsMax = 100;   // "usually a very small number"
-  constexpr double kAlmost = 1.01;  // the last per cent, and what the rounds leave, is scaled in all directions at once
+  constexpr int kRoundsMax = 100;  // "usually a very small number"
+  // The last percent, and any rest after the rounds, is scaled in all directions at once.
+  constexpr double kAlmost = 1.01;
   constexpr double kRounding = 1e-9;  // relative
   Stretch stretch = largest_stretch(scene, map);
   mapping->degenerate_pixels = stretch.degenerate_pixels;
@@ -263,8 +265,9 @@ Rectangle bounds(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   return box;
 }
 
-// Step 5: the bounding rectangle of least area over discrete directions, half a degree apart and then finer around the
-// best. The texel that margins take is counted, so that thin objects are not turned for nothing; a turn must pay.
+// Step 5: finds the bounding rectangle of least area over discrete directions: half a degree apart, then finer around
+// the best. The texel for margins is included, so that thin objects are not turned needlessly; a turn must lower the
+// area.
 glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   constexpr int kDirections = 180, kRefinements = 4;
   constexpr double kGainMin = 1e-6;  // of the area
@@ -292,9 +295,9 @@ glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::
   return rotated(best);
 }
 
-// Step 6: `texels` along one side, whole, a power of two if asked, and not more than side_max.
+// Step 6: returns the texels along one side: whole, a power of two if requested, and at most side_max.
 int side_length(double texels, const AnimationTexture& texture) {
-  constexpr double kRounding = 1e-6;  // of a texel: 64.0000001 texels are 64
+  constexpr double kRounding = 1e-6;  // rounding of texels: 64.0000001 texels are 64
   const int wanted = static_cast<int>(std::ceil(std::clamp(texels - kRounding, 1.0, double{1 << 20})));
   if (!texture.power_of_two) return std::min(wanted, texture.side_max);
   int side = 1;
@@ -302,8 +305,8 @@ int side_length(double texels, const AnimationTexture& texture) {
   return side;
 }
 
-// Step 6: texels to 0..1. A clamped direction keeps half a texel free at both ends, where bilinear filtering reads
-// nothing beyond; what rounding up adds makes the texels smaller. A periodic one spans one period exactly.
+// Step 6: maps texels to 0..1. A clamped direction keeps half a texel free at both ends, so that bilinear filtering
+// reads nothing beyond. Rounding up makes the texels smaller. A periodic direction spans exactly one period.
 void set_resolution(const std::vector<glm::dvec2>& hull, const glm::dmat2& map, const AnimationTexture& texture,
                     TextureMapping* mapping) {
   const Rectangle box = bounds(hull, map);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texture coordinates for inference (Hakura et al. 2000, section 3.4): a global affine map of an object's own texture
-// coordinates, for a block of parameter samples, that spends no texels on what is never seen and samples what is seen
-// finely enough: branch cut, least-squares isometric map (eq. 7), stretch limit, rectangle of least area, resolution.
+// Finds texture coordinates for inference (Hakura et al. 2000, section 3.4): a global affine map of an object's own
+// texture coordinates for a block of parameter samples. Hidden parts get no texels, and visible parts are sampled
+// finely enough. Steps: branch cut, least-squares isometric map (eq. 7), stretch limit, rectangle of least area,
+// resolution.
 #pragma once
 
 #include <vector>
@@ -13,8 +14,8 @@
 
 namespace multum {
 
-/// Width and height 0 when the object is visible in no view. `texture` gives wrap, stretch_max, resolution_scale,
-/// power_of_two and side_max.
+/// Width and height are 0 if no view shows the object. Uses wrap, stretch_max, resolution_scale, power_of_two and
+/// side_max of `texture`.
 TextureMapping optimise_texture_mapping(const ObjectMesh& mesh, const std::vector<MappingView>& views,
                                         const AnimationTexture& texture);
 

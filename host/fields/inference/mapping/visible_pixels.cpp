@@ -26,7 +26,7 @@ std::array<ClipVertex, 3> triangle_corners(const ObjectMesh& mesh, const Mapping
   return corners;
 }
 
-// Pixels times w, rows downwards, and w.
+// Returns pixels times w, rows downwards, and w.
 glm::dvec3 homogeneous_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   const glm::dvec4& p = vertex.position;
   return {(0.5 * p.w + 0.5 * p.x) * items.width, (0.5 * p.w - 0.5 * p.y) * items.height, p.w};
@@ -37,7 +37,7 @@ glm::dvec2 to_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   return glm::dvec2(p) / p.z;
 }
 
-// Texture coordinates are floats: an area below what their rounding makes of a line is none.
+// Texture coordinates are floats. An area that the rounding of a line could cause counts as zero.
 bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   constexpr double kRounding = 0x1.0p-22;  // four times half a unit in the last place
   double side = 0.0, size = 0.0;
@@ -48,8 +48,8 @@ bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   return std::abs(cross(corners[1].uv - corners[0].uv, corners[2].uv - corners[0].uv)) <= kRounding * size * side;
 }
 
-// The columns of `at` are the corners on the screen times w, those of `value` what should come out there, times w too
-// (the corners' own w is in `at`): value * at^-1 is linear before the division, as perspective is (Heckbert 1989).
+// The columns of `at` are the screen corners times w; the columns of `value` are the wanted results times w (`at` has
+// the corners' own w). value * at^-1 is linear before the division, like perspective (Heckbert 1989).
 VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle) {
   const auto corners = triangle_corners(mesh, view, triangle);
   glm::dmat3 at, value;
@@ -60,13 +60,14 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
     value[i] = glm::dvec3(corner.uv - corners[0].uv, 1.0);
     scale *= glm::length(at[i]);
   }
-  constexpr double kEdgeOn = 1e-13;  // of the corners' product: nothing but rounding is left of the area
+  constexpr double kEdgeOn = 1e-13;  // share of the corners' product: below it the area is only rounding error
   const bool is_degenerate = is_line_in_texture(corners) || !(std::abs(glm::determinant(at)) > kEdgeOn * scale);
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }
 
-// What a run shows of its triangle, with a margin of one pixel: sub-pixels of neighbours whose centres the object
-// misses belong to it too. Clipped to the triangle, so that nothing grows without bound at a horizon.
+// Returns the part of a triangle that a run shows, with a margin of one pixel: neighbouring pixels may have sub-pixels
+// of the object although their centres miss it. The part is clipped to the triangle, so that it stays bounded at a
+// horizon.
 ClipPolygon clip_to_run(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle, const PixelRun& run) {
   const glm::dvec2 size(view.items->width, view.items->height);
   const glm::dvec2 low = glm::dvec2(run.x_begin - 1, run.y - 1) / size,
@@ -108,7 +109,7 @@ std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec
   if (triangle.is_degenerate) return std::nullopt;
   const glm::dmat3& h = triangle.screen_to_uv;
   const glm::dvec3 value = h * glm::dvec3(screen, 1.0);
-  if (!(value.z > 0.0)) return std::nullopt;  // behind the eye: rounding at a corner that lies on the near plane
+  if (!(value.z > 0.0)) return std::nullopt;  // behind the eye: rounding at a corner on the near plane
   // The quotient rule: d(a / q) = (da - (a / q) dq) / q.
   const glm::dvec2 uv = glm::dvec2(value) / value.z;
   return glm::dmat2((glm::dvec2(h[0]) - uv * h[0].z) / value.z, (glm::dvec2(h[1]) - uv * h[1].z) / value.z);
@@ -116,8 +117,8 @@ std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec
 
 void append_isometric_edges(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                             std::vector<IsometricEdge>* edges) {
-  // Shorter edges than the sub-pixels of the usual supersampling say nothing of what can be seen, and foreshortened
-  // ones would count without bound in eq. 7, which divides by the shorter length.
+  // Edges shorter than the sub-pixels of the usual supersampling do not affect visible detail. Foreshortened edges
+  // would get unbounded weights in eq. 7, which divides by the shorter length.
   constexpr double kLengthMin = 0.25;
   const auto frustum = box_planes(glm::dvec2(-1.0), glm::dvec2(1.0));
   for (const VisibleTriangle& visible : pixels.triangles) {
@@ -140,7 +141,7 @@ void append_isometric_edges(const ObjectMesh& mesh, const MappingView& view, con
 }
 
 std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points) {
-  // Andrew 1979: the lower chain from left to right, then the upper one back.
+  // Andrew 1979: the lower chain from left to right, then the upper chain back.
   const auto before = [](glm::dvec2 a, glm::dvec2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); };
   std::sort(points.begin(), points.end(), before);
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -161,7 +162,7 @@ std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points) {
 
 std::vector<glm::dvec2> visible_hull(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                                      const std::function<glm::dvec2(std::uint32_t triangle)>& shift) {
-  constexpr std::size_t kPointsHeld = 1 << 16;  // a megabyte, then they are thinned to their hull
+  constexpr std::size_t kPointsHeld = 1 << 16;  // a megabyte; then points are thinned to their hull
   std::vector<glm::dvec2> points;
   for (const PixelRun& run : pixels.runs) {
     const std::uint32_t triangle = pixels.triangles[run.item].triangle;

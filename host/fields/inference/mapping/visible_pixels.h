@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds what of one object is seen in one picture, and how its texture coordinates change across each pixel: what the
-// steps of texture mapping read (Hakura et al. 2000, section 3.4).
+// Finds the visible pixels of one object in one picture, and how its texture coordinates change across each pixel. The
+// steps of texture mapping use these (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,9 @@ namespace multum {
 
 struct VisibleTriangle {
   std::uint32_t triangle;
-  bool is_degenerate;  // without area in the texture or on the screen: no Jacobian
-  // (x, y, 1) in pixels to (q du, q dv, q): texture coordinates from the triangle's first corner, perspective included.
+  bool is_degenerate;  // no area in the texture or on the screen: no Jacobian
+  // Maps (x, y, 1) in pixels to (q du, q dv, q): texture coordinates from the triangle's first corner, with
+  // perspective.
   glm::dmat3 screen_to_uv;
 };
 
@@ -40,18 +41,18 @@ struct VisiblePixels {
 
 VisiblePixels find_visible_pixels(const ObjectMesh& mesh, const MappingView& view);
 
-/// d(u, v) / d(x, y) at a point of the screen, columns by x and y; none where it does not exist.
+/// Returns d(u, v) / d(x, y) at a point of the screen, columns by x and y; nullopt if it does not exist.
 std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec2 screen);
 
-/// Edges of the visible triangles after clipping with the viewing frustum, for eq. 7. Where clipping cuts a triangle,
-/// the edges of the triangles that what is left consists of: a triangle that fills the screen has no other edges there.
+/// Appends edges of the visible triangles for eq. 7, after clipping with the viewing frustum. A clipped triangle gives
+/// the edges of the triangles in its remaining part; a triangle that fills the screen has only these edges.
 void append_isometric_edges(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                             std::vector<IsometricEdge>* edges);
 
-/// The corners of the points' convex hull, anticlockwise; fewer than three where they lie on a line.
+/// Returns the corners of the points' convex hull, anticlockwise; fewer than three if all points are on a line.
 std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points);
 
-/// The hull of the texture coordinates of all that is visible, each triangle's moved by `shift(triangle)`.
+/// Returns the hull of the texture coordinates of all visible parts. `shift(triangle)` moves each triangle.
 std::vector<glm::dvec2> visible_hull(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                                      const std::function<glm::dvec2(std::uint32_t triangle)>& shift);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter matrices of an animation, one for each pose and object: measured by multum-view, a process of its own, and
-// kept as files. A matrix that is there already for the same geometry, pose, mapping and sampler is taken as it is.
+// Provides the filter matrices of an animation, one per pose and object. A separate process, multum-view, measures them
+// and stores them as files. An existing matrix for the same geometry, pose, mapping and sampler is reused.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,28 @@
 
 namespace multum {
 
-using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of the job][block]; width 0: not seen
+using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of the job][block]; width 0: not visible
 
 struct ProbeSettings {
   std::string viewer;            // the program
-  std::string context = "auto";  // its GL
+  std::string context = "auto";  // its OpenGL context
   std::string folder;            // of the matrices
   int threads = 0;
-  bool has_mips = true;     // false: bilinear, level 0 alone
-  int supersampling = 0;    // 0: the job's
-  double anisotropy = 0.0;  // of all objects; 0: as the job says of each
+  bool has_mips = true;     // false: bilinear, level 0 only
+  int supersampling = 0;    // 0: as in the job
+  double anisotropy = 0.0;  // anisotropy of all objects; 0: the job's value per object
 };
 
 class AnimationProbe {
  public:
   AnimationProbe(const ParameterizedScene& field, ObjectMappings mappings, ProbeSettings settings);
 
-  /// Measures what is not there yet. Throws Error(kEnvironment) when the program cannot be started or crashes, with
-  /// what it said.
+  /// Measures the missing matrices. Throws Error(kEnvironment) with the program's output if it cannot be started or
+  /// crashes.
   void run(Progress* progress);
-  /// The matrix of one pose; `object` is one of the job's.
+  /// Returns the matrix of one pose; `object` is an index into the job's objects.
   FilterMatrix matrix(int pose, std::size_t object) const;
-  /// What says which matrix it is.
+  /// Returns the key that identifies the matrix.
   std::string key(int pose, std::size_t object) const;
 
   const std::string& geometry_hash() const { return geometry_hash_; }  // SHA-256
@@ -42,7 +42,7 @@ class AnimationProbe {
     return mappings_[object][static_cast<std::size_t>(block)];
   }
   bool is_seen(std::size_t object, int block) const { return mapping(object, block).width > 0; }
-  /// Units of progress that run() counts.
+  /// Returns the units of progress that run() counts.
   std::uint64_t unit_count() const;
 
   int measured = 0;  // matrices, by run()

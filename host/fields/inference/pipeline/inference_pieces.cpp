@@ -19,7 +19,7 @@ bool wants_layer(const AnimationObject& object, const AnimationLayer& layer) {
          std::find(object.layers.begin(), object.layers.end(), layer.name) != object.layers.end();
 }
 
-// Of one layer in one block.
+// Points and samples of one layer in one block.
 struct PointCounts {
   std::uint64_t points = 0, samples = 0;
 };
@@ -34,8 +34,8 @@ std::vector<PointCounts> points_of_blocks(const ParameterizedScene& field, const
   return counts;
 }
 
-// Pixels that are fitted and texels that are solved for: whole numbers, so that every machine divides alike. The
-// mapping's visible pixels are those of each pose once.
+// Returns the number of fitted pixels plus solved texels. Whole numbers make every machine divide alike. The mapping's
+// visible pixels count each pose once.
 std::uint64_t weight(const TextureMapping& mapping, const PointCounts& counts, std::uint64_t poses) {
   const auto side = [](int texels) { return static_cast<std::uint64_t>(std::max(texels, 1)); };
   return mapping.visible_pixels * counts.samples / std::max<std::uint64_t>(poses, 1) +
@@ -48,7 +48,7 @@ InferredObject object_of(const ParameterizedScene& field, const ObjectMappings& 
   object.name = job.objects[k].name;
   object.mesh = job.objects[k].mesh;
   for (TextureMapping mapping : mappings[k]) {
-    mapping.width = std::max(1, mapping.width);  // where it is not seen
+    mapping.width = std::max(1, mapping.width);  // for invisible objects
     mapping.height = std::max(1, mapping.height);
     object.mappings.push_back(mapping);
   }
@@ -73,7 +73,7 @@ ObjectMappings find_object_mappings(const ParameterizedScene& field) {
       is_seen = is_seen || mappings[k].back().width > 0;
     }
     if (!is_seen)
-      log_warning(job.path, fmt::format("object '{}' is seen in no picture and gets no texture", job.objects[k].name));
+      log_warning(job.path, fmt::format("no picture shows object '{}', so it gets no texture", job.objects[k].name));
   }
   return mappings;
 }
@@ -97,7 +97,7 @@ std::vector<std::vector<InferencePiece>> divide_pieces(const ParameterizedScene&
   std::vector<std::uint64_t> poses(static_cast<std::size_t>(field.grid().block_count()));
   for (const AnimationPose& pose : field.poses()) ++poses[static_cast<std::size_t>(pose.block)];
   const std::vector<InferencePiece> all = inference_pieces(field, mappings);
-  std::vector<std::uint64_t> ends;  // of each piece, behind those before it
+  std::vector<std::uint64_t> ends;  // end of each piece: the sum of weights up to it
   for (const InferencePiece& piece : all) {
     const auto block = static_cast<std::size_t>(piece.block);
     ends.push_back((ends.empty() ? 0 : ends.back()) +
@@ -106,7 +106,7 @@ std::vector<std::vector<InferencePiece>> divide_pieces(const ParameterizedScene&
   std::vector<std::vector<InferencePiece>> divided(shares);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::uint64_t begin = i == 0 ? 0 : ends[i - 1];
-    // The share that the piece's middle lies in; rounded up, so that the last one has no number of its own.
+    // Assigns the piece to the share that contains its middle. Rounding up keeps the last index below `shares`.
     divided[(begin + ends[i]) / 2 / (ends.back() / shares + 1)].push_back(all[i]);
   }
   return divided;
@@ -135,7 +135,7 @@ InferredManifest manifest_of(const ParameterizedScene& field, const AnimationInf
     for (InferredLayer& layer : m.objects[texture.object].layers)
       if (layer.name == job.layers[texture.layer].name)
         for (const int sample : texture.samples) layer.textures[static_cast<std::size_t>(sample)] = texture.file;
-  // An object that is black in a layer in every sample has no such layer.
+  // Removes a layer from an object that is black in the layer in every sample.
   for (InferredObject& object : m.objects)
     std::erase_if(object.layers, [&](const InferredLayer& layer) {
       return std::all_of(layer.textures.begin(), layer.textures.end(), [](const auto& file) { return file.empty(); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides an inference into pieces that can be done by themselves, which shares of the work are made of, and makes the
-// manifest of all textures.
+// Divides an inference into independent pieces, from which shares of the work are made. Also makes the manifest of all
+// textures.
 #pragma once
 
 #include <compare>
@@ -13,26 +13,27 @@
 
 namespace multum {
 
-/// An affine map of texture coordinates for each object and block. Warns of objects that are seen in no picture.
+/// Finds an affine map of texture coordinates for each object and block. Warns about objects that no picture shows.
 ObjectMappings find_object_mappings(const ParameterizedScene& field);
 
-/// The textures of one layer of an object in one block: each starts from the one before, and none from those of another
-/// piece.
+/// The textures of one layer of an object in one block. Each texture starts from the previous one, but never from
+/// another piece's texture.
 struct InferencePiece {
   int block = 0;
   std::size_t object = 0, layer = 0;
   auto operator<=>(const InferencePiece&) const = default;
 };
 
-/// Of objects that are seen, block by block, the layers of one object together: neighbours share filter matrices.
+/// Returns the pieces of visible objects, block by block, with the layers of an object together: neighbours share
+/// filter matrices.
 std::vector<InferencePiece> inference_pieces(const ParameterizedScene& field, const ObjectMappings& mappings);
 
-/// Divides them into `count` shares of neighbours that take about as long; some are empty where there are more shares
-/// than pieces.
+/// Divides the pieces into `count` shares of neighbours that take about the same time. If there are more shares than
+/// pieces, some shares are empty.
 std::vector<std::vector<InferencePiece>> divide_pieces(const ParameterizedScene& field, const ObjectMappings& mappings,
                                                        int count);
 
-/// The manifest of all textures. `geometry_hash` as of AnimationProbe.
+/// Returns the manifest of all textures. `geometry_hash`: as in AnimationProbe.
 InferredManifest manifest_of(const ParameterizedScene& field, const AnimationInferSettings& settings,
                              const ObjectMappings& mappings, const std::string& geometry_hash,
                              const std::vector<TextureResult>& textures);

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A linear system and what it was made of.
+// A linear system and its inputs.
 struct ObjectSystem {
   std::string key;
   std::vector<FilterMatrix> matrices;
@@ -63,7 +63,7 @@ class InferencePipeline {
   }
 
  private:
-  // Of what the pieces need; the rest is as if it was not seen.
+  // Finds the mappings that the pieces need; all other objects count as invisible.
   static ObjectMappings mappings_of(const std::vector<InferencePiece>& pieces, ObjectMappings mappings) {
     std::set<std::pair<std::size_t, int>> needed;
     for (const InferencePiece& piece : pieces) needed.insert({piece.object, piece.block});
@@ -143,7 +143,7 @@ class InferencePipeline {
       texture.history = std::move(solved.history);
       texels = std::move(solved.texels);
       for (float& value : texels) value = static_cast<float>(static_cast<double>(value) * job_.radiance_max);
-      // As the file has them: a run that goes on from it starts the next texture from the same values.
+      // Rounds texels as the file does, so that a resumed run starts the next texture from the same values.
       round_to_half(texels);
       write_texture(path, k, key, texture, texels);
     }
@@ -164,7 +164,7 @@ class InferencePipeline {
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
     for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
-    // The same pixels count as before?
+    // Reuses the system if the same pixels count.
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
       for (std::size_t i = 0; i < point.samples.size() && is_same; ++i)
@@ -195,7 +195,7 @@ class InferencePipeline {
     return system;
   }
 
-  // The pixels of all rows, 0..1.
+  // Returns the pixels of all rows, 0..1.
   std::vector<float> colours_of(std::size_t k, const ObjectSystem& system,
                                 const std::vector<std::vector<ObjectLayer>>& pictures) const {
     std::vector<float> colours;
@@ -217,7 +217,7 @@ class InferencePipeline {
     return hash.finish();
   }
 
-  // Of the texture that an earlier run made with this key; empty when it is to be inferred.
+  // Returns the texels of an earlier run with this key; empty: the texture must be inferred.
   std::vector<float> texels_there(const std::string& path, const std::string& key) const {
     if (settings_.force || settings_.damaged.contains(path) || provenance_key(path) != key) return {};
     try {
@@ -258,8 +258,8 @@ class InferencePipeline {
     write_inferred_texture(file, path);
   }
 
-  // A x against the layer's pixels: the mean of each sample, of the held-out ones too, over pixels that the object
-  // covers wholly.
+  // Compares A x with the layer's pixels. Returns the mean error of each sample, including held-out ones, over pixels
+  // that the object covers wholly.
   std::vector<double> squared_errors(std::size_t k, const ObjectSystem& system,
                                      const std::vector<std::vector<ObjectLayer>>& pictures,
                                      const std::vector<float>& colours, const std::vector<float>& texels,
@@ -281,7 +281,7 @@ class InferencePipeline {
     return errors;
   }
 
-  // Of all samples of the point, 0..1.
+  // Returns the forward-mapped texels of all samples of the point, 0..1.
   std::vector<float> forward_texels(std::size_t k, const ParameterPoint& point,
                                     const std::vector<std::vector<ObjectLayer>>& pictures) const {
     std::vector<ForwardView> views;
@@ -301,7 +301,7 @@ class InferencePipeline {
   AnimationInferResult result_;
   Device device_;
   AnimationProbe probe_;
-  std::map<std::size_t, ObjectSystem> systems_;       // of the layer at hand, by object
+  std::map<std::size_t, ObjectSystem> systems_;       // systems of the current layer, by object
   std::map<std::size_t, std::vector<float>> starts_;  // the last point's texels, by object
   std::set<std::pair<int, std::size_t>> counted_;     // poses and objects whose rows are in the result
 };

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum infer`: from a job to textures (Hakura et al. 2000, section 3). For every object: texture coordinates,
-// filter matrices, and for every layer one texture for each point of the parameters that the layer depends on, inferred
-// from all samples of that point together (eq. 4). An object without a layer gets none.
+// Runs `multum infer`: from a job to textures (Hakura et al. 2000, section 3). Each object gets texture coordinates and
+// filter matrices. Each of its layers gets one texture for each point of the parameters that the layer depends on. The
+// texture is inferred from all samples of the point together (eq. 4). An object without a layer gets no textures.
 //
-// Points are solved in an order in which each is a neighbour of the one before, whose texture is the start. Textures
-// are written as soon as they are solved; one that is there already, made from the same inputs with the same settings,
-// is taken as it is: a run that was stopped goes on where it was.
+// Each point is a neighbour of the point solved before, whose texture is the start. Textures are written as soon as
+// they are solved. An existing texture with the same inputs and settings is reused, so a stopped run can resume.
 #pragma once
 
 #include <array>
@@ -27,29 +26,29 @@ struct AnimationInferSettings {
   std::string output;            // folder
   std::string device;            // selector of Device::open()
   std::string viewer;            // multum-view
-  std::string context = "auto";  // its GL
+  std::string context = "auto";  // its OpenGL context
   int threads = 1;
-  bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output
-  bool force = false;                  // textures that are there already are inferred again
-  std::set<std::string> damaged;       // of textures that are there, those that are not to be taken: paths
+  bool has_absolute_geometry = false;  // store the scene file's absolute path instead of a relative one
+  bool force = false;                  // infer existing textures again
+  std::set<std::string> damaged;       // paths of existing textures that must not be reused
   int hold_out = 0;                    // 2 or more: every such sample along the views is left out of layers that do not
                                        // depend on them; 0: none
-  bool with_baseline = true;           // measure forward mapping beside
+  bool with_baseline = true;           // also measure forward mapping
   double gradient_tolerance = 1e-3;
   int iteration_max = 400;
 };
 
-/// One texture, and how well it fits each sample that it serves.
+/// One texture, and its error in each sample that it serves.
 struct TextureResult {
   std::size_t object = 0;
   std::size_t layer = 0;
-  std::size_t point = 0;               // of those that the grid has for the layer
-  int block = 0;                       // of the grid: it says which of the object's mappings the texture has
+  std::size_t point = 0;               // index among the grid's points of the layer
+  int block = 0;                       // block of the grid; selects the object's mapping
   std::vector<int> samples;            // of the job
-  std::vector<double> squared_errors;  // of each sample: mean over wholly covered pixels, 8-bit sRGB units
+  std::vector<double> squared_errors;  // mean of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
-  std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not asked for
-  std::vector<bool> is_held_out;               // not solved for
+  std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not requested
+  std::vector<bool> is_held_out;               // not used for solving
   std::string file;                            // relative to the output folder; empty: the layer is black
   bool was_there = false;
   bool converged = true;
@@ -62,7 +61,7 @@ struct StageSeconds {
          rendering = 0.0;
 };
 
-/// What was found while the pictures of one point of a layer were taken apart: of all objects together.
+/// Findings from the segmentation of the pictures of one point of a layer, for all objects together.
 struct PointReport {
   std::size_t layer = 0, point = 0;
   SegmentationReport segmentation;
@@ -79,27 +78,27 @@ struct AnimationInferResult {
   InferredManifest manifest;
   std::vector<TextureResult> textures;
   std::vector<std::string> blocks;  // names of the grid's blocks
-  ObjectMappings mappings;          // of each object in each block
-  SegmentationReport segmentation;  // of all pictures together
+  ObjectMappings mappings;          // mapping of each object in each block
+  SegmentationReport segmentation;  // sum over all pictures
   StageSeconds seconds;
   std::string renderer, device;
   std::uint64_t rows = 0, rows_rejected = 0;
   int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
   int nan_depths = 0;
-  // What the sums above are of: shares of the work may have some of them in common.
+  // The terms of the sums above. Several shares of the work may have some terms in common.
   std::vector<PointReport> points;
   std::vector<MatrixRows> matrices;
 };
 
 struct InferencePiece;  // host/fields/inference/pipeline/inference_pieces.h
 
-/// The file of a texture, relative to the output folder.
+/// Returns the file of a texture, relative to the output folder.
 std::string texture_file(const AnimationJob& job, std::size_t object, std::size_t layer, const ParameterPoint& point);
 
-/// Held out are pictures of every `hold_out`-th view, where the layer has the same texture in others.
+/// Returns whether a sample is held out: every `hold_out`-th view is, if the layer has the same texture in other views.
 bool is_held_out(const AnimationJob& job, int hold_out, const AnimationLayer& layer, int sample);
 
-/// The textures of some pieces; no manifest. Throws as infer_animation() does.
+/// Infers the textures of some pieces, without a manifest. Throws the same errors as infer_animation().
 AnimationInferResult infer_pieces(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                   const ObjectMappings& mappings, const std::vector<InferencePiece>& pieces,
                                   Progress* progress);
@@ -108,7 +107,7 @@ AnimationInferResult infer_pieces(const ParameterizedScene& field, const Animati
 void finish_inference(const ParameterizedScene& field, const AnimationInferSettings& settings,
                       const ObjectMappings& mappings, AnimationInferResult& result);
 
-/// Throws Error, Cancelled. What is finished stays.
+/// Throws Error, Cancelled. Finished textures remain.
 AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                      Progress* progress);
 

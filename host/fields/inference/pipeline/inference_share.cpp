@@ -34,10 +34,10 @@ constexpr std::size_t SegmentationReport::*kCounts[] = {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kEnvironment, what); }
 
-// Which of the pieces' points a texture, or a report, is of.
+// Identifies the piece's point that a texture or a report belongs to.
 using PointName = std::tuple<std::size_t, std::size_t, std::size_t>;  // layer, point, object
 
-// What a share is to have, by the job.
+// The expected contents of a share, from the job.
 struct ShareWork {
   std::vector<InferencePiece> pieces;
   std::map<PointName, ParameterPoint> textures;
@@ -62,7 +62,7 @@ std::vector<ShareWork> divide_work(const ParameterizedScene& field, const Object
   return shares;
 }
 
-// All that a share's textures and figures depend on.
+// Returns everything that a share's textures and figures depend on.
 std::string key_of(const ParameterizedScene& field, const AnimationInferSettings& settings, const ShareWork& work,
                    InputHashes& hashes) {
   const AnimationJob& job = field.job();
@@ -116,7 +116,7 @@ Json content_of(const AnimationInferResult& result, const std::string& output) {
   return content;
 }
 
-// Figures of samples: as many as there are; null stands for what is no number.
+// Returns one figure per sample; null stands for NaN.
 std::vector<double> figures_from(const Json& json, std::size_t count) {
   std::vector<double> figures;
   for (const Json& one : json)
@@ -156,11 +156,11 @@ TextureResult texture_from(const Json& json, const PointName& name, const Parame
   return texture;
 }
 
-// A record as it should be, and the textures that are not as it says.
+// A checked record, and the textures that do not match it.
 struct CheckedShare {
   AnimationInferResult result;
   std::set<std::string> damaged;  // paths
-  std::string why;                // of the first; empty: all is whole
+  std::string why;                // fault of the first texture; empty: all are intact
 };
 
 class RecordReader {
@@ -168,13 +168,13 @@ class RecordReader {
   RecordReader(const ParameterizedScene& field, const AnimationInferSettings& settings, const ShareWork& work)
       : field_(field), settings_(settings), work_(work) {}
 
-  // Throws Error(kEnvironment) that names the record and what makes it again.
+  // Throws Error(kEnvironment) naming the record and the command that makes it again.
   CheckedShare read(const ShareName& name, const std::string& key) const {
     const Json content = read_share_record(name, key);
     try {
       return checked(content);
     } catch (const Json::exception& error) {
-      refuse(fmt::format("{}: is no record of inferred textures: {}{}", name.path(), error.what(), name.remedy()));
+      refuse(fmt::format("{}: is not a record of inferred textures: {}{}", name.path(), error.what(), name.remedy()));
     } catch (const Error& error) {
       refuse(fmt::format("{}: {}{}", name.path(), error.what(), name.remedy()));
     }
@@ -198,7 +198,7 @@ class RecordReader {
       const PointName name = {size_from(json.at("layer")), size_from(json.at("point")), size_from(json.at("object"))};
       const auto wanted = work_.textures.find(name);
       if (wanted == work_.textures.end() || !found.insert(name).second)
-        refuse("has a texture twice, or one that its share has not");
+        refuse("has a texture twice, or a texture of another share");
       result.textures.push_back(texture_from(json, name, wanted->second, settings_, field_.job()));
       check_file(result.textures.back().file, json.at("sha256").get<std::string>(), share);
     }
@@ -214,7 +214,7 @@ class RecordReader {
     const bool is_there = std::filesystem::is_regular_file(path, ignored);
     if (is_there && hash_file(path) == expected) return;
     share.damaged.insert(path);
-    if (share.why.empty()) share.why = path + (is_there ? ": is damaged or of another run" : ": is not there");
+    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is not there");
   }
 
   PointReport point_from(const Json& json) const {
@@ -243,7 +243,7 @@ void add_times(const StageSeconds& from, StageSeconds& to) {
     to.*member += from.*member;
 }
 
-// Points and matrices that several shares looked at count once.
+// Counts points and matrices that several shares used only once.
 void add_result(AnimationInferResult&& from, AnimationInferResult& to) {
   if (to.renderer.empty()) to.renderer = from.renderer;
   if (to.device.empty()) to.device = from.device;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides an inference among processes that share the output folder: a share infers the textures of its pieces
-// (inference_pieces.h) and notes what it found in a record (host/foundation/base/share_record.h); a merge checks the
-// records of all shares, and their textures by their hashes, and writes the manifest: byte for byte that of one
-// process.
+// Divides an inference among processes that share the output folder. A share infers the textures of its pieces
+// (inference_pieces.h) and writes its findings to a record (host/foundation/base/share_record.h). A merge checks the
+// records of all shares and the hashes of their textures, and writes the manifest. The manifest is identical to that of
+// a single process.
 #pragma once
 
 #include "host/fields/inference/pipeline/inference_pipeline.h"
@@ -14,16 +14,16 @@ struct InferenceShare {
 };
 
 struct InferenceShareResult {
-  bool was_there = false;  // whole, of the same inputs and settings: nothing was done
-  int textures = 0;        // of the share, with those that were there
+  bool was_there = false;  // a complete share with the same inputs and settings existed: nothing was done
+  int textures = 0;        // textures of the share, including existing ones
 };
 
-/// Throws Error, Cancelled; textures that are finished stay.
+/// Throws Error, Cancelled; finished textures remain.
 InferenceShareResult infer_share(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                  const InferenceShare& share, Progress* progress);
 
-/// As if infer_animation() had done all. Throws Error(kEnvironment) that names every share whose record or textures are
-/// missing, damaged or of something else, with the option that makes it again.
+/// Gives the result of infer_animation(). Throws Error(kEnvironment) naming every share whose record or textures are
+/// missing, damaged or of other inputs, with the option that makes the share again.
 AnimationInferResult merge_inference(const ParameterizedScene& field, const AnimationInferSettings& settings, int count,
                                      Progress* progress);
 

@@ -33,7 +33,7 @@ ParameterizedScene::ParameterizedScene(AnimationJob job)
   for (const AnimationObject& object : job_.objects) {
     const auto found =
         std::find_if(meshes_.begin(), meshes_.end(), [&](const ObjectMesh& mesh) { return mesh.name == object.mesh; });
-    MULTUM_CHECK(found != meshes_.end());  // the job was read against the same file
+    MULTUM_CHECK(found != meshes_.end());  // the job was validated against the same file
     mesh_of_object_.push_back(static_cast<int>(found - meshes_.begin()));
   }
   draw_items();
@@ -65,7 +65,7 @@ void ParameterizedScene::check_cameras() {
     const CameraCheck check = check_camera(job_, sample, meshes_, layers.channels[job_.depth], {});
     nan_depths_ += check.nan_depths;
     if (check.tested == 0)
-      log_warning(sample.geometry, fmt::format("has no usable depth, so that camera '{}' is not checked",
+      log_warning(sample.geometry, fmt::format("has no usable depth, so camera '{}' is not checked",
                                                job_.cameras[static_cast<std::size_t>(sample.camera)].name));
   }
 }
@@ -114,14 +114,14 @@ std::vector<std::vector<float>> ParameterizedScene::coverages(int number) const 
   const std::size_t pixel_count = static_cast<std::size_t>(job_.width) * static_cast<std::size_t>(job_.height);
   for (const auto& coverage : coverages)
     if (coverage.size() != pixel_count)
-      throw Error(ErrorCode::kInput, fmt::format("{}: its Cryptomatte is not of {} x {} pixels as {} says",
+      throw Error(ErrorCode::kInput, fmt::format("{}: its Cryptomatte does not have {} x {} pixels as in {}",
                                                  sample.geometry, job_.width, job_.height, job_.path));
   return coverages;
 }
 
-// An object-index image says of each pixel what its middle shows. Where the geometry has that object in the pixel too,
-// the geometry says how much of it, and of what else; where it has not, as with displaced or unlisted things, the image
-// is taken at its word.
+// An object-index image has the object at the middle of each pixel. If the geometry has this object in the pixel too,
+// the geometry gives the shares of all objects. Otherwise, for example for displaced or unlisted objects, the whole
+// pixel belongs to the object of the image.
 void ParameterizedScene::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
   constexpr int kSubPixels = 4;  // along each side of a pixel: steps of 1/16
   const int factor = std::clamp(kItemBufferSideMax / std::max(job_.width, job_.height), 1, kSubPixels);

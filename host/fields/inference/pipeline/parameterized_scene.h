@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the scene of a job of texture inference for its stages: meshes, poses, what is seen where, and the objects'
-// layers of each sample (Hakura et al. 2000, section 3.1). Pictures are read when asked for, not kept.
+// Reads the scene of an inference job for its stages: meshes, poses, visibility, and the objects' layers of each sample
+// (Hakura et al. 2000, section 3.1). Pictures are read on request and not kept.
 #pragma once
 
 #include <string>
@@ -17,13 +17,13 @@
 
 namespace multum {
 
-/// Throws Error(kInput) when a picture is not of the job's size.
+/// Throws Error(kInput) if a picture does not have the job's size.
 void check_size(const AnimationJob& job, const std::string& path, const ExrLayers& layers);
 
 class ParameterizedScene {
  public:
-  /// Reads the geometry; checks one picture of every pose against its camera (camera_check.h) where there is a depth
-  /// channel. Throws Error(kInput).
+  /// Reads the geometry. If there is a depth channel, checks one picture of every pose against its camera
+  /// (camera_check.h). Throws Error(kInput).
   explicit ParameterizedScene(AnimationJob job);
 
   const AnimationJob& job() const { return job_; }
@@ -32,26 +32,26 @@ class ParameterizedScene {
   const std::vector<AnimationPose>& poses() const { return grid_.poses(); }
   int pose_of(int sample) const { return grid_.pose_of(sample); }
   const ItemBuffer& items(int pose) const { return items_[static_cast<std::size_t>(pose)]; }
-  /// Index into meshes() of the job's object.
+  /// Returns the index into meshes() of the job's object.
   int mesh_of(std::size_t object) const { return mesh_of_object_[object]; }
   const AnimationCamera& camera(int pose) const;
   glm::dmat4 object_to_camera(int mesh, int pose) const;
   glm::dmat4 world_to_clip(int pose) const;
-  /// The job's object as forward mapping takes it; `layer` outlives it.
+  /// Returns the job's object as forward mapping reads it; `layer` must outlive the result.
   ForwardView forward_view(std::size_t object, int pose, const ObjectLayer& layer) const;
 
-  /// An affine map of the object's texture coordinates for the poses of one block; width 0: it is not seen there.
+  /// Returns an affine map of the object's texture coordinates for the poses of one block; width 0: not visible there.
   TextureMapping find_mapping(std::size_t object, int block) const;
 
-  /// Share of every pixel that each of the job's objects covers.
+  /// Returns the share of every pixel that each of the job's objects covers.
   std::vector<std::vector<float>> coverages(int sample) const;
-  /// The sample's sum of the layer's passes, three a pixel.
+  /// Returns the sample's sum of the layer's passes, three values per pixel.
   std::vector<float> layer_picture(int sample, const AnimationLayer& layer) const;
-  /// The layer of each of the job's objects.
+  /// Returns the layer of each of the job's objects.
   std::vector<ObjectLayer> segment(int sample, const AnimationLayer& layer, int threads,
                                    SegmentationReport* report) const;
 
-  /// Pixels without a depth that is a number, of the pictures that cameras were checked by.
+  /// Returns the number of NaN depths in the pictures that cameras were checked with.
   int nan_depths() const { return nan_depths_; }
 
  private:

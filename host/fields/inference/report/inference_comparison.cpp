@@ -20,7 +20,7 @@ struct Variant {
   double pyramid_weight;
 };
 
-// Those of the paper's fig. 6, and what they are to be compared with in the same sampler.
+// The variants of the paper's fig. 6, and their baselines with the same sampler.
 const std::vector<Variant> kVariants = {{"forward mapping, trilinear", true, true, 1.0, 0.0},
                                         {"bilinear", false, false, 1.0, 0.0},
                                         {"trilinear", false, true, 1.0, 0.0},
@@ -31,7 +31,7 @@ const std::vector<Variant> kVariants = {{"forward mapping, trilinear", true, tru
                                         {"anisotropic, regularisation 0.1", false, true, 4.0, 0.1},
                                         {"anisotropic, regularisation 0.5", false, true, 4.0, 0.5}};
 
-// The job with one sample alone.
+// Returns the job with only one sample.
 AnimationJob at_sample(AnimationJob job, int sample) {
   job.samples = {job.samples[static_cast<std::size_t>(sample)]};
   for (int& index : job.samples.front().at) index = 0;
@@ -53,7 +53,7 @@ class Comparer {
       layers_.push_back(field.segment(0, layer, settings.threads, nullptr));
   }
 
-  // One set of matrices for each sampler: variants of one lie together.
+  // Groups variants by sampler, so that each sampler's matrices are measured once.
   void append_rows(int supersampling, InferenceComparison& comparison) {
     std::unique_ptr<AnimationProbe> probe;
     const Variant* last = nullptr;
@@ -63,7 +63,7 @@ class Comparer {
         probe = probe_of(variant, supersampling);
       last = &variant;
       const std::string sub_pixels =
-          supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample a pixel";
+          supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample per pixel";
       comparison.rows.push_back({variant.name + sub_pixels, errors_of(variant, *probe, comparison.pixel_counts)});
     }
   }
@@ -81,7 +81,7 @@ class Comparer {
     return probe;
   }
 
-  // Of every object, all its layers added.
+  // Returns the errors of every object, with all its layers added.
   std::vector<double> errors_of(const Variant& variant, const AnimationProbe& probe,
                                 std::vector<double>& pixel_counts) {
     std::vector<double> errors;

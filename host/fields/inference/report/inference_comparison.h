@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares choices at one sample, as in figure 6 of Hakura et al. 2000: each object's layers inferred from that one
-// picture with bilinear, trilinear and anisotropic filtering, with and without pyramidal regularisation, against
-// forward mapping.
+// Compares settings at one sample, as in figure 6 of Hakura et al. 2000. Each object's layers are inferred from this
+// picture with bilinear, trilinear and anisotropic filtering, with and without pyramidal regularization. The results
+// are compared with forward mapping.
 #pragma once
 
 #include <string>
@@ -13,20 +13,20 @@ namespace multum {
 
 struct ComparisonRow {
   std::string name;                    // "trilinear, regularisation 0.1"
-  std::vector<double> squared_errors;  // of each of the job's objects, all its layers added, wholly covered pixels,
-                                       // 8-bit sRGB units; negative: not seen
+  std::vector<double> squared_errors;  // one per object of the job, all layers added, wholly covered pixels,
+                                       // 8-bit sRGB units; negative: not visible
 };
 
 struct InferenceComparison {
   std::string sample;
-  int supersampling = 1;             // of the rows that have any
-  std::vector<double> pixel_counts;  // of each of the job's objects
+  int supersampling = 1;             // supersampling of the rows, if any
+  std::vector<double> pixel_counts;  // pixels of each of the job's objects
   std::vector<ComparisonRow> rows;
 };
 
-/// With one sample a pixel, as hardware draws without antialiasing, and with the job's supersampling, where anisotropic
-/// filtering is left out: its footprints take many draws to measure. Measures the matrices that it needs in
-/// OUTPUT/comparison.
+/// Compares with one sample per pixel, as hardware draws without antialiasing, and with the job's supersampling. The
+/// latter leaves out anisotropic filtering, whose footprints take many draws to measure. Measures the required matrices
+/// in OUTPUT/comparison.
 InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 

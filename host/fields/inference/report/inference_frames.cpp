@@ -19,8 +19,8 @@
 namespace multum {
 namespace {
 
-// Samples that one run of the viewer draws: it sets up the GL and reads the geometry once, and its command line stays
-// far below the 128 KiB that every system takes.
+// Samples per run of the viewer. Each run sets up OpenGL and reads the geometry once. The command line stays far below
+// the 128 KiB that every system accepts.
 constexpr std::size_t kSamplesAChild = 256;
 
 const std::vector<std::string> kRgb = {"R", "G", "B"};
@@ -72,7 +72,7 @@ std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sampl
     }
     divide(picture, job.radiance_max);
   }
-  for (float& value : picture) value = std::clamp(value, 0.0f, 1.0f);  // leaves NaN, which comparing counts
+  for (float& value : picture) value = std::clamp(value, 0.0f, 1.0f);  // leaves NaN, which the comparison counts
   return picture;
 }
 
@@ -91,7 +91,7 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
   for (std::size_t i = 0; i < frame.alpha.size(); ++i) {
     const float* traced = &ray_traced[3 * i];
     const float* drawn = &frame.rgb[3 * i];
-    // NaN is not below the limit, and goes on to be counted as what it is.
+    // NaN is not below the limit, so it is counted as not finite below.
     if (frame.alpha[i] < kWholeCoverage) {
       errors.uncovered_pixels += 1.0;
       continue;
@@ -123,7 +123,7 @@ InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettin
   const AnimationJob& job = field.job();
   InferenceFrames result;
   make_folder(settings.output + "/frames");
-  progress_start(progress, 2 * samples.size());  // a frame is drawn, and compared
+  progress_start(progress, 2 * samples.size());  // each frame is drawn and compared
   for (std::size_t begin = 0; begin < samples.size(); begin += kSamplesAChild) {
     const std::size_t end = std::min(samples.size(), begin + kSamplesAChild);
     const std::vector<int> some(samples.begin() + static_cast<std::ptrdiff_t>(begin),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the frames that multum-view draws with inferred textures against the ray-traced pictures (Hakura et al.
-// 2000, section 3.3). A texture's own error is of one layer and of the pixels it was solved for; a frame's has all
-// layers added, silhouettes, and objects in front of one another.
+// Compares frames that multum-view draws with inferred textures with the ray-traced pictures (Hakura et al. 2000,
+// section 3.3). A texture's own error is of one layer and the pixels used for solving. A frame's error includes all
+// layers, silhouettes, and occlusion between objects.
 #pragma once
 
 #include <string>
@@ -15,34 +15,34 @@ namespace multum {
 struct FrameSettings {
   std::string output;            // folder with the manifest; frames go into OUTPUT/frames
   std::string viewer;            // multum-view
-  std::string context = "auto";  // its GL
+  std::string context = "auto";  // its OpenGL context
 };
 
-/// Three values a pixel, row 0 at the top, 1 being the job's radiance_max.
+/// Three values per pixel, row 0 at the top; 1 is the job's radiance_max.
 struct RenderedFrame {
   int width = 0, height = 0;
   std::vector<float> rgb;
   std::vector<float> alpha;  // share of the pixel that objects cover
 };
 
-/// Means over pixels, 8-bit sRGB units. Of a pixel that objects do not cover wholly, the rest is background that no
-/// texture holds: it is left out.
+/// Means over pixels, in 8-bit sRGB units. Pixels that objects do not cover wholly are left out, because no texture
+/// holds their background.
 struct FrameErrors {
   int sample = 0;    // of the job
   std::string file;  // relative to the output folder
   double squared_error = 0.0, pixel_count = 0.0;
   double uncovered_pixels = 0.0;                                   // left out: alpha below kWholeCoverage
   double not_finite_pixels = 0.0;                                  // left out: NaN or infinite in either picture
-  std::vector<double> object_squared_errors, object_pixel_counts;  // of each of the job's objects, where it covers
+  std::vector<double> object_squared_errors, object_pixel_counts;  // one per object of the job, where it covers
                                                                    // pixels wholly in the ray-traced picture
 };
 
 struct InferenceFrames {
   std::vector<FrameErrors> frames;
-  double seconds = 0.0;  // of drawing, reading and comparing
+  double seconds = 0.0;  // seconds for drawing, reading and comparing
 };
 
-/// The pixels' mean of all frames; count 0: none.
+/// The mean over the pixels of all frames; count 0: none.
 struct FrameMean {
   double squared_error = 0.0, pixel_count = 0.0;
 };
@@ -53,14 +53,14 @@ FrameMean mean_object_error(const InferenceFrames& frames, std::size_t object);
 InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettings& settings,
                               const std::vector<int>& samples, Progress* progress);
 
-/// The ray-traced picture that a frame is to match: R G B where the file has them, else the sum of the job's layers;
-/// clipped at radiance_max, which becomes 1.
+/// Returns the ray-traced picture of a frame: R G B if the file has these channels, else the sum of the job's layers.
+/// It is clipped at radiance_max, which becomes 1.
 std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sample);
 
-/// A frame that multum-view wrote. Throws Error(kInput) when it is not of the job's size.
+/// Reads a frame of multum-view. Throws Error(kInput) if it does not have the job's size.
 RenderedFrame read_frame(const AnimationJob& job, const std::string& path);
 
-/// Sample and file of the result are not set.
+/// Leaves sample and file of the result empty.
 FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFrame& frame,
                           const std::vector<std::vector<float>>& coverages);
 

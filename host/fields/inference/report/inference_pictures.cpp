@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMargin = 4;  // pixels around an object
 
-// A file name that needs no escaping in a page, on a disk or in a shell; the number keeps it apart from others.
+// Returns a file name that needs no escaping in pages, on disks or in shells. The number makes it unique.
 std::string file_name(std::size_t object, const std::string& name, const std::string& what) {
   std::string safe = fmt::format("{:02}_{}_{}", object, name, what);
   for (char& c : safe)
@@ -121,7 +121,7 @@ Png8Image srgb_image(const std::vector<float>& rgb, int width, int height) {
   Png8Image image{width, height, 3, {}};
   image.interleaved.reserve(rgb.size());
   for (const float value : rgb) {
-    // A value that is no number is shown black.
+    // Shows NaN as black.
     const double linear = std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, 1.0) : 0.0;
     image.interleaved.push_back(static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(linear))));
   }
@@ -143,7 +143,7 @@ Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, co
     for (int x = box.x; x < box.x + box.width; ++x) {
       const auto pixel = static_cast<std::size_t>(y * image.width + x);
       const bool is_covered = coverage[pixel] >= kWholeCoverage;
-      for (std::size_t c = 0; c < 3; ++c)  // what is not seen is black, and costs no bytes
+      for (std::size_t c = 0; c < 3; ++c)  // invisible parts are black and take no bytes
         cut.interleaved.push_back(is_covered ? image.interleaved[3 * pixel + c] : std::uint8_t{0});
       cut.interleaved.push_back(is_covered ? 255 : 0);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000: each object ray-traced, drawn
-// with its inferred textures, and the error of the two times 20; the whole frame the same; and the textures themselves.
-// Departure: the figure's errors are inverted, white for none; here black is none, as the error is a colour.
+// Draws the pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000: each object ray-traced,
+// drawn with its inferred textures, and the error times 20; the whole frame likewise; and the textures. Departure: the
+// paper's errors are inverted, with white for no error. Here black means no error, because the error has a colour.
 #pragma once
 
 #include <string>
@@ -19,37 +19,37 @@ struct ReportPicture {
 
 struct PictureRow {
   ReportPicture ray_traced, rendered, error;
-  double squared_error = 0.0;  // of what is shown
+  double squared_error = 0.0;  // error of the shown pixels
 };
 
 struct ReportPictures {
   bool has_frame = false;
   PictureRow frame;
-  std::vector<PictureRow> objects;  // of each of the job's objects; width 0: it covers no pixel wholly
+  std::vector<PictureRow> objects;  // one per object of the job; width 0: it covers no pixel wholly
   struct Texture {
     std::size_t object, layer;
     ReportPicture picture;  // of level 0
   };
-  std::vector<Texture> textures;  // of the sample that is shown
+  std::vector<Texture> textures;  // textures of the shown sample
 };
 
 constexpr double kErrorScale = 20.0;  // as in the paper's figure 6
 
-/// Writes OUTPUT/report/*.png for the report's sample; without frames, those of textures alone.
+/// Writes OUTPUT/report/*.png for the report's sample; without frames, only pictures of textures.
 ReportPictures write_report_pictures(const ParameterizedScene& field, const InferenceReport& report);
 
 struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Around the pixels that are covered wholly, with a margin, inside the picture; width 0: there are none.
+/// Returns a box around the wholly covered pixels, with a margin, inside the picture; width 0: there are none.
 PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 
-/// Linear values of 0..1, three a pixel, as sRGB.
+/// Converts linear values of 0..1, three per pixel, to sRGB.
 Png8Image srgb_image(const std::vector<float>& rgb, int width, int height);
-/// |a - b| * kErrorScale, up to 255.
+/// Returns |a - b| * kErrorScale, up to 255.
 Png8Image error_image(const Png8Image& a, const Png8Image& b);
-/// The box, with alpha: transparent where coverage is below kWholeCoverage.
+/// Returns the box with alpha: transparent where coverage is below kWholeCoverage.
 Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, const PixelBox& box);
 
 }  // namespace multum

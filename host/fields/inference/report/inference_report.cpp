@@ -62,7 +62,7 @@ LayerSummary summarise(const std::vector<TextureResult>& textures, std::size_t o
   return summary;
 }
 
-// Negative: there is no such figure.
+// A negative value means that there is no figure.
 Json figure(double value) { return value < 0.0 ? Json(nullptr) : Json(value); }
 
 Json ratio(double value, double to) { return value < 0.0 || to <= 0.0 ? Json(nullptr) : Json(value / to); }
@@ -245,7 +245,8 @@ Json inference_figures(const InferenceReport& report) {
   Json json;
   json["software"] = std::string("multum ") + MULTUM_VERSION;
   json["job"] =
-      text_of_path(std::filesystem::path(job.path).filename().string());  // reports are sent to others: no folders
+      // No folder names, because reports are sent to others.
+      text_of_path(std::filesystem::path(job.path).filename().string());
   json["device"] = result.device;
   json["renderer"] = result.renderer;
   json["settings"] = settings_json(report);

@@ -11,7 +11,7 @@ class PixelMean {
     pixels_ += pixels;
   }
   double pixels() const { return pixels_; }
-  /// `if_none` where there are no pixels.
+  /// Returns `if_none` if there are no pixels.
   double mean(double if_none) const { return pixels_ > 0.0 ? sum_ / pixels_ : if_none; }
 
  private:

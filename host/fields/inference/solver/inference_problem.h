@@ -10,7 +10,7 @@
 namespace multum {
 
 enum class InferenceForm {
-  kAuto,    // by the number of entries, as measured (texture_system.cpp)
+  kAuto,    // chosen by the number of entries, as measured (texture_system.cpp)
   kMatrix,  // products with A and its transpose, eq. (2)
   kNormal,  // products with A^T A, eq. (3)
 };
@@ -18,18 +18,19 @@ enum class InferenceForm {
 struct InferenceSettings {
   double pyramid_weight = 0.1;       // epsilon_f, >= 0
   double range_weight = 0.0;         // epsilon_b, >= 0
-  double gradient_tolerance = 1e-3;  // ends when the projected gradient is below this share of that at x = 0
-  double step_tolerance = 0.03;      // a Newton step ends when its gradient is below this share of its first, [0, 1)
-  int iteration_max = 400;           // of conjugate gradient, all Newton steps together
-  int newton_max = 12;               // steps
-  bool precondition = true;          // by the diagonal
+  double gradient_tolerance = 1e-3;  // stop when the projected gradient falls below this share of its value at x = 0
+  // A Newton step ends when its gradient falls below this share of its first value, [0, 1).
+  double step_tolerance = 0.03;
+  int iteration_max = 400;   // conjugate gradient iterations of all Newton steps together
+  int newton_max = 12;       // steps
+  bool precondition = true;  // by the diagonal
   InferenceForm form = InferenceForm::kAuto;
 };
 
-/// One picture's share of a system. The matrix must outlive the system's construction.
+/// One picture's part of a system. The matrix must outlive the system's construction.
 struct InferenceView {
   const FilterMatrix* matrix;
-  std::vector<float> row_weights;  // one a row of the matrix, >= 0; 0: the row is left out
+  std::vector<float> row_weights;  // one per row of the matrix, >= 0; 0: the row is left out
 };
 
 }  // namespace multum

@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-// Where a fine texel's centre lies among the centres of the coarse ones.
+// Returns the position of a fine texel's centre among the centres of the coarse texels.
 MultumTap tap_of(int fine, int fine_count, int coarse_count, bool is_periodic) {
   double at = (fine + 0.5) * coarse_count / fine_count - 0.5;
   if (!is_periodic) at = std::clamp(at, 0.0, coarse_count - 1.0);
@@ -18,8 +18,8 @@ MultumTap tap_of(int fine, int fine_count, int coarse_count, bool is_periodic) {
   return {place(first), place(first + 1), static_cast<float>(at - first), 0};
 }
 
-// One direction of one level and the next coarser one: appends the taps of the fine texels and the gathers of the
-// coarse ones, and returns the sums of squared weights of these.
+// Handles one direction of a level and the next coarser level. Appends the taps of the fine texels and the gathers of
+// the coarse texels, and returns the coarse texels' sums of squared weights.
 std::vector<float> add_direction(int fine_count, int coarse_count, bool is_periodic, PyramidTables& tables) {
   std::vector<std::vector<MultumGatherEntry>> gathered(static_cast<std::size_t>(coarse_count));
   for (int i = 0; i < fine_count; ++i) {
@@ -60,7 +60,7 @@ PyramidTables make_pyramid_tables(const MipLayout& layout, bool is_periodic_s, b
     tables.levels[l].taps_y = static_cast<int>(tables.taps.size());
     tables.levels[l + 1].gathers_y = static_cast<int>(tables.gathers.size());
     const std::vector<float> down = add_direction(fine.height, coarse.height, is_periodic_t, tables);
-    // 1 for a texel that is interpolated, and the squares of the weights with which it enters finer ones.
+    // The diagonal is 1 for an interpolated texel, plus the squares of its weights in finer texels.
     for (int t = fine.offset; t < coarse.offset; ++t) tables.diagonal[static_cast<std::size_t>(t)] += 1.0f;
     for (int y = 0; y < coarse.height; ++y)
       for (int x = 0; x < coarse.width; ++x)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of bilinear interpolation between the levels of a mip pyramid of any size, clamped or periodic, and of its
-// transpose, for kernels/pyramidal_regularization.cl.
+// Makes tables for kernels/pyramidal_regularization.cl: bilinear interpolation between the levels of a mip pyramid of
+// any size, clamped or periodic, and its transpose.
 #pragma once
 
 #include <vector>
@@ -16,10 +16,10 @@ struct PyramidTables {
   std::vector<MultumGather> gathers;
   std::vector<MultumGatherEntry> entries;
   std::vector<MultumStrip> strips;
-  std::vector<float> diagonal;  // of R^T R, a texel
+  std::vector<float> diagonal;  // of R^T R, one per texel
 };
 
-/// `strip_length`: texels a work-item, at least 1.
+/// `strip_length`: texels per work-item, at least 1.
 PyramidTables make_pyramid_tables(const MipLayout& layout, bool is_periodic_s, bool is_periodic_t, int strip_length);
 
 }  // namespace multum

@@ -15,10 +15,11 @@ namespace multum {
 namespace {
 
 constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
-// Of sums: the same for every device, so that it is not seen in the result, and enough for a GPU's work-items. With 64
-// of them an iteration took 2.5 ms on an H100 and its products 0.04 (docs/evidence/GPU.md).
+// Number of partial sums: equal for every device, so that results do not depend on the device, and enough for a GPU's
+// work-items. With 64 partial sums, an iteration on an H100 took 2.5 ms, its products only 0.04 ms
+// (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
-constexpr int kHalvingsMax = 12;  // of a Newton step that leads uphill
+constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads uphill
 
 using Sums = std::array<double, 3>;
 
@@ -87,7 +88,7 @@ class Solver {
     device_.read(buffer, list.data(), buffer.byte_count());
     return list;
   }
-  // One or two lists of partial sums.
+  // Reads one or two lists of partial sums.
   template <std::size_t kCount>
   std::array<Sums, kCount> read_sums() {
     std::array<Colour4, kCount * kPartCount> list;
@@ -98,7 +99,8 @@ class Solver {
     return sums;
   }
 
-  // Half the gradient at x, and f(x) = x.(H x) - 2 x.(A^T b) + b.b plus the range terms: one product for both.
+  // Computes half the gradient at x, and returns f(x) = x.(H x) - 2 x.(A^T b) + b.b plus the range terms. One product
+  // serves both.
   double evaluate(const std::vector<Colour4>& x) {
     upload(x_, x);
     system_.apply(x_, gradient_);
@@ -117,7 +119,8 @@ class Solver {
     return objective;
   }
 
-  // Marks what may move, and prepares the diagonal. A value at a bound whose gradient points outwards is held.
+  // Marks the values that may move, and prepares the diagonal. A value at a bound whose gradient points outwards is
+  // held.
   std::uint64_t hold_at_bounds() {
     std::uint64_t held = 0;
     std::vector<Colour4> is_free(texel_count_, Colour4{}), inverse(texel_count_, Colour4{}),
@@ -131,8 +134,8 @@ class Solver {
         if (range_weight_ > 0.0)
           curvature[t][c] = static_cast<float>(0.5 * range_weight_ * range_term(static_cast<double>(x)).curvature);
         const float diagonal = system_.diagonal[t] + curvature[t][c];
-        // Texels that nothing looks at, without pyramidal regularisation: they stay as they are. So do those with so
-        // little of it that the inverse of the diagonal would be infinite.
+        // Invisible texels without pyramidal regularization do not change. The same holds if the regularization is so
+        // weak that the inverse of the diagonal would be infinite.
         if (is_held || !(diagonal >= std::numeric_limits<float>::min())) continue;
         inverse[t][c] = system_.settings.precondition ? 1.0f / diagonal : 1.0f;
       }
@@ -162,8 +165,8 @@ class Solver {
     return ratio;
   }
 
-  // Solves H step = -gradient over what is free, down to a share of the gradient that is worth it: values that leave
-  // their range change the problem anyway. Returns the iterations.
+  // Solves H step = -gradient over the free values, down to a share of the gradient. More precision is not useful,
+  // because values that leave their range change the problem. Returns the iterations.
   int find_step(int iteration_max) {
     const Sums before = projected_gradient_squares();
     Sums goal;
@@ -182,12 +185,12 @@ class Solver {
     int iteration = 0;
     for (; iteration < iteration_max; ++iteration) {
       bool is_done = true;
-      for (std::size_t c = 0; c < 3; ++c) is_done = is_done && !(norms[c] > goal[c]);  // nor is NaN gone on with
+      for (std::size_t c = 0; c < 3; ++c) is_done = is_done && !(norms[c] > goal[c]);  // NaN also ends the loop
       if (is_done) break;
       system_.apply(p_, q_);
       const Sums curvatures = curvature_product();
       Sums alpha{0.0, 0.0, 0.0}, beta{0.0, 0.0, 0.0};
-      // A colour that is solved, or of which nothing is left, stands still.
+      // A colour that is solved, or whose curvature is zero, does not move.
       for (std::size_t c = 0; c < 3; ++c)
         if (curvatures[c] > 0.0 && norms[c] > goal[c]) alpha[c] = products[c] / curvatures[c];
       const Sums last = products;
@@ -218,10 +221,11 @@ class Solver {
                                      static_cast<int>(texel_count_));
   }
 
-  // x = x + step, ended at the bounds; halved while it leads uphill. False when no step leads down any more.
+  // Sets x = x + step, clamped to the bounds, and halves the step while it leads uphill. Returns false if no step leads
+  // downhill.
   bool take_step(double& objective) {
     const std::vector<Colour4> step = download(step_), from = values_;
-    // What single precision makes of the objective.
+    // Allows for the single-precision error of the objective.
     const double slack = 1e-6 * (colour_squares_[0] + colour_squares_[1] + colour_squares_[2]);
     float length = 1.0f;
     for (int halving = 0; halving <= kHalvingsMax; ++halving, length *= 0.5f) {
@@ -241,12 +245,12 @@ class Solver {
   TextureSystem& system_;
   Device& device_;
   const std::size_t texel_count_;
-  double range_weight_;                 // with everything that multiplies the sum of g
+  double range_weight_;                 // includes everything that multiplies the sum of g
   Sums colour_squares_{0.0, 0.0, 0.0};  // b.b
   const std::vector<Colour4> target_;   // A^T b
   Sums target_squares_{0.0, 0.0, 0.0};
   std::vector<Colour4> values_, half_gradient_, free_values_;
-  bool is_bounded_ = false;  // something is held at a bound, or the range term curves f
+  bool is_bounded_ = false;  // some value is held at a bound, or the range term curves f
   DeviceBuffer parts_;
   DeviceBuffer x_, gradient_, free_, curvature_, inverse_, step_, r_, p_, q_;
 };

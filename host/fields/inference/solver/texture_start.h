@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts texture inference where no neighbouring sample is solved: every texel is the mean of the pixels that look at
-// it, and what few look at is taken from the coarser level (Gortler et al. 1996, "The lumigraph", pull-push).
+// Computes a start for texture inference if no neighbouring sample is solved. Every texel is the mean of the pixels
+// that read it. Texels with little weight take their value from the coarser level (pull-push: Gortler et al. 1996, "The
+// lumigraph").
 #pragma once
 
 #include <array>
@@ -10,8 +11,8 @@
 
 namespace multum {
 
-/// `sums`: weighted sums of the pixels that look at each texel; `weights`: of the weights alone. Three a texel, of
-/// every level.
+/// `sums`: weighted sums of the pixels that read each texel; `weights`: sums of the weights. Returns three values per
+/// texel of every level.
 std::vector<float> start_texels(const MipLayout& layout, const std::vector<std::array<float, 4>>& sums,
                                 const std::vector<float>& weights);
 

@@ -13,14 +13,14 @@
 namespace multum {
 namespace {
 
-// Entries of A^T A for one of A up to which products with A^T A are taken. A and its transpose are gone through once
-// each an iteration, A^T A once: times cross near 3 (docs/evidence/BENCHMARKS.md: 0.5 of the time at 2.2, about the
-// same at 3.3 and 3.8). But A^T A must be made first, for what 20 iterations gain from it where pictures are stacked
-// and 90 at 2.2: 2 leaves out what few solves would pay for. The paper's rule, 2 n_s >= 4 n_t, compares rows, of eight
-// entries each.
+// Largest ratio of entries of A^T A to entries of A for which A^T A is used. An iteration passes once over A and once
+// over its transpose, but only once over A^T A. The times are equal near a ratio of 3 (docs/evidence/BENCHMARKS.md: 0.5
+// of the time at 2.2, about the same at 3.3 and 3.8). But making A^T A costs the gain of 20 iterations if pictures are
+// stacked, and of 90 at 2.2. The limit of 2 leaves out ratios that pay off in few solves. The paper's rule, 2 n_s >= 4
+// n_t, compares rows, of eight entries each.
 constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kEntriesOfBlock = 8;
-constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products
+constexpr std::size_t kRowsAnItem = 256;  // work-items per group of the products
 
 template <typename Element>
 DeviceBuffer uploaded(Device& device, const std::vector<Element>& list, const char* what) {
@@ -140,7 +140,7 @@ DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
       columns.push_back(static_cast<std::int32_t>(rows.columns[i]));
       weights.push_back(rows.weights[i]);
     }
-    // The row's last column once more: a texel that is in the cache.
+    // Repeats the row's last column, a texel that is in the cache.
     while (columns.size() % kEntriesOfBlock != 0) {
       columns.push_back(columns.back());
       weights.push_back(0.0f);
@@ -214,17 +214,16 @@ void TextureSystem::add_views(const std::vector<InferenceView>& views) {
     if (m.texture_width != first.texture_width || m.texture_height != first.texture_height ||
         m.wrap_s != first.wrap_s || m.wrap_t != first.wrap_t || m.anisotropy != first.anisotropy ||
         m.has_mips != first.has_mips)
-      throw Error(
-          ErrorCode::kInput,
-          fmt::format("the filter matrices of '{}' in views '{}' and '{}' are of different textures or samplers",
-                      m.provenance.object, first.provenance.view, m.provenance.view));
+      throw Error(ErrorCode::kInput,
+                  fmt::format("the filter matrices of '{}' in views '{}' and '{}' have different textures or samplers",
+                              m.provenance.object, first.provenance.view, m.provenance.view));
     append_weighted_rows(view, rows_);
     for (const float weight : view.row_weights) root_weights_.push_back(weight > 0.0f ? std::sqrt(weight) : 0.0f);
   }
   if (rows_.row_count() == 0)
-    throw Error(ErrorCode::kInput, fmt::format("object '{}': no pixel of it is left in {} views, so that there is "
-                                               "nothing to infer its texture from",
-                                               first.provenance.object, views.size()));
+    throw Error(ErrorCode::kInput,
+                fmt::format("object '{}': it has no usable pixel in {} views, so its texture cannot be inferred",
+                            first.provenance.object, views.size()));
 }
 
 void TextureSystem::make_pyramid() {

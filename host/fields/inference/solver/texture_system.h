@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The linear system of texture inference on an OpenCL device: the filter matrices of some views one below the other,
-// each row times the square root of its weight, and what is made of them (Hakura et al. 2000, section 3.2, eqs. 2-4,
-// 6).
+// The linear system of texture inference on an OpenCL device: the filter matrices of some views, stacked, with each row
+// times the square root of its weight, and the derived matrices (Hakura et al. 2000, section 3.2, eqs. 2-4, 6).
 #pragma once
 
 #include <array>
@@ -23,13 +22,13 @@ struct SparseRows {
   std::size_t row_count() const { return begin.size() - 1; }
 };
 
-/// Rows of `matrix` of positive weight, each times the square root of its weight.
+/// Appends rows of `matrix` with positive weight, each times the square root of its weight.
 void append_weighted_rows(const InferenceView& view, SparseRows& rows);
 SparseRows transposed(const SparseRows& rows, std::size_t column_count);
-/// A^T A from A and its transpose.
+/// Computes A^T A from A and its transpose.
 SparseRows normal_rows(const SparseRows& rows, const SparseRows& columns, int threads);
 
-/// Entries of A^T A by its rows of every so many texels.
+/// Estimates the entries of A^T A from the rows of evenly spaced texels.
 std::size_t estimated_normal_entries(const SparseRows& rows, const SparseRows& columns);
 
 /// Sparse rows on the device, in blocks of 8 entries (kernels/filter_matrix_spmv.cl).
@@ -39,7 +38,7 @@ class DeviceRows {
   DeviceRows(Device& device, const SparseRows& rows, const char* what);
   int row_count() const { return row_count_; }
   std::size_t byte_count() const;
-  /// y = rows * x.
+  /// Computes y = rows * x.
   void multiply(Kernel& kernel, const DeviceBuffer& x, DeviceBuffer& y) const;
 
  private:
@@ -47,7 +46,7 @@ class DeviceRows {
   int row_count_ = 0;
 };
 
-/// Three colours and a padding zero, as the kernels have them.
+/// Three colours and a padding zero, as in the kernels.
 using Colour4 = std::array<float, 4>;
 
 class TextureSystem {
@@ -55,12 +54,12 @@ class TextureSystem {
   TextureSystem(Device& device, const std::vector<InferenceView>& views, const InferenceSettings& settings,
                 int threads);
 
-  /// sum = (A^T A + pyramid_weight R^T R) x
+  /// Computes sum = (A^T A + pyramid_weight R^T R) x.
   void apply(const DeviceBuffer& x, DeviceBuffer& sum);
-  /// A^T b, and the sums of b^2 by colour.
+  /// Returns A^T b, and the sums of b^2 by colour.
   std::vector<Colour4> projected(const std::vector<float>& colours, std::array<double, 3>* squares);
   std::vector<float> picture(const std::vector<float>& texels) const;
-  /// How much each texel is looked at: the sum over rows of weight * A.
+  /// Returns the total weight of each texel: the sum over rows of weight * A.
   const std::vector<float>& column_sums() const { return sums_; }
 
   std::size_t row_count() const { return rows_.row_count(); }
@@ -71,8 +70,8 @@ class TextureSystem {
   MipLayout layout;
   bool is_periodic_s = false, is_periodic_t = false;
   bool uses_normal = false;
-  double pyramid_weight = 0.0;  // with everything that multiplies Gamma
-  std::vector<float> diagonal;  // of A^T A + pyramid_weight R^T R
+  double pyramid_weight = 0.0;  // includes everything that multiplies Gamma
+  std::vector<float> diagonal;  // diagonal of A^T A + pyramid_weight R^T R
   std::size_t entry_count = 0, normal_entry_count = 0;
   Kernel curvature_product, advance_residual, advance_direction;
 
@@ -82,7 +81,7 @@ class TextureSystem {
   void make_pyramid();
 
   SparseRows rows_;                  // weighted
-  std::vector<float> root_weights_;  // of every row of every view, 0 of those left out
+  std::vector<float> root_weights_;  // one per row of every view; 0 for rows that are left out
   DeviceRows matrix_, transpose_, normal_;
   DeviceBuffer row_values_, residual_;
   DeviceBuffer levels_, taps_, gathers_, gather_entries_, strips_;  // pyramid_tables.h

@@ -187,7 +187,7 @@ TEST(FieldDescription, PosesThatAreSharedAreBounded) {
   ByteWriter writer;
   writer.number(text.size());
   writer.bytes(std::span(packed).first(length));
-  testing::expect_error(ErrorCode::kInput, {"moves more objects"}, [&] { decode_description(writer.written()); });
+  testing::expect_error(ErrorCode::kInput, {"moves too many objects"}, [&] { decode_description(writer.written()); });
 }
 
 }  // namespace

@@ -216,7 +216,7 @@ TEST_F(AnimationJobTest, NumbersOutOfRange) {
   std::string many = text_;
   replace_once(many, "count = 2", "count = 300");
   text_ = many;
-  expect_refused("count = 2", "count = 300", {"parameter.count", "300", "at most 65536 samples in all"});
+  expect_refused("count = 2", "count = 300", {"parameter.count", "300", "at most 65536 samples in total"});
 }
 
 TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
@@ -225,7 +225,7 @@ TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
                  {"layer.depends_on", "\"lamp\"", "unknown parameter", "view, light"});
   expect_refused("depends_on = [\"light\"]", "depends_on = [\"light\", \"light\"]", {"layer.depends_on", "twice"});
   expect_refused("passes = [\"diffuse\"]", "passes = []", {"layer.passes", "empty"});
-  expect_refused("passes = [\"glossy\", ", "passes = [\"diffuse\", ", {"\"diffuse\"", "second time"});
+  expect_refused("passes = [\"glossy\", ", "passes = [\"diffuse\", ", {"\"diffuse\"", "twice"});
   expect_refused("passes = [\"diffuse\"]", "passes = [\"difuse\"]",
                  {"\"difuse.R\"", "unknown channel", "rad_v00_p00.exr", "diffuse.R"});
   expect_refused("mesh = \"thing\"", "mesh = \"cup\"", {"object.mesh", "\"cup\"", "unknown object", "thing"});
@@ -236,9 +236,9 @@ TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
   expect_refused("depth = \"Z\"", "depth = \"depth\"", {"depth", "\"depth\"", "unknown channel", "geom_v00.exr"});
   expect_refused("camera = \"v00\"", "camera = \"v07\"", {"sample.camera", "\"v07\"", "unknown camera", "v00, v01"});
   expect_refused("geometry = \"geometry.gltf\"", "geometry = \"none.gltf\"",
-                 {"geometry", "\"none.gltf\"", "no file", "none.gltf"});
+                 {"geometry", "\"none.gltf\"", "does not exist", "none.gltf"});
   expect_refused("radiance = \"rad_v00_p00.exr\"", "radiance = \"none.exr\"", {"sample.radiance", "\"none.exr\""});
-  expect_refused("geometry = \"geom_v00.exr\"", "geometry = \".\"", {"sample.geometry", "\".\"", "no file"});
+  expect_refused("geometry = \"geom_v00.exr\"", "geometry = \".\"", {"sample.geometry", "\".\"", "does not exist"});
   expect_refused("name = \"view\"", "name = \"\"", {"parameter.name", "\"\"", "text"});
   for (const char* name : {"a/b", "a\\\\b", ".a", "a\\u0007b"})
     expect_refused("name = \"thing\"", std::string("name = \"") + name + '"', {"object.name is", "without /"});
@@ -246,15 +246,16 @@ TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
 
 TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
   make(false);
-  expect_refused("name = \"light\"", "name = \"view\"", {"parameter.name", "\"view\"", "another one has"});
-  expect_refused("name = \"view_dependent\"", "name = \"diffuse\"", {"layer.name", "\"diffuse\"", "another one has"});
+  expect_refused("name = \"light\"", "name = \"view\"", {"parameter.name", "\"view\"", "already in use"});
+  expect_refused("name = \"view_dependent\"", "name = \"diffuse\"", {"layer.name", "\"diffuse\"", "already in use"});
   expect_refused("name = \"v01\"", "name = \"v00\"", {"camera.name", "\"v00\""});
-  expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"", {"sample.name", "\"v00_p00\"", "another one has"});
+  expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"",
+                 {"sample.name", "\"v00_p00\"", "another sample already has"});
   std::string again = text_;
   replace_once(again, "# Rows are",
                "[[object]]\nname = \"other\"\nmesh = \"thing\"\nindex = 1\ncryptomatte = \"thing\"\n# Rows are");
   text_ = again;
-  expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "another one has"});
+  expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "already in use"});
   replace_once(text_, "index = 0", "index = 1");
   std::size_t second = text_.find("index = 1", text_.find("\"other\""));
   const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(second), '\n');
@@ -264,9 +265,9 @@ TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
 
 TEST_F(AnimationJobTest, TheGridMustBeWhole) {
   make(false);
-  expect_refused("at = [0, 1]", "at = [0, 0]", {"sample.at", "[0, 0]", "another one has"});
+  expect_refused("at = [0, 1]", "at = [0, 0]", {"sample.at", "[0, 0]", "another sample already has"});
   expect_refused("at = [0, 1]", "at = [0, 2]", {"sample.at", "[0, 2]", "0 to 1 along light"});
-  expect_refused("at = [0, 1]", "at = [0]", {"sample.at", "1 numbers", "2, one a parameter (view, light)"});
+  expect_refused("at = [0, 1]", "at = [0]", {"sample.at", "1 numbers", "2, one per parameter (view, light)"});
   std::string fewer = text_;
   const std::size_t second = fewer.find("[[sample]]", fewer.find("[[sample]]") + 1);
   fewer.erase(second, fewer.find("[[sample]]", second + 1) - second);

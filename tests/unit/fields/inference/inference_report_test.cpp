@@ -184,7 +184,7 @@ TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {
   if (!shown) GTEST_SKIP() << "no Chromium";
   EXPECT_TRUE(contains(*shown, "No frames"));
   EXPECT_FALSE(contains(*shown, "<svg"));
-  EXPECT_FALSE(contains(*shown, "What the choices cost"));
+  EXPECT_FALSE(contains(*shown, "Comparison of settings"));
 }
 
 TEST(InferenceReport, TextHasALineForEachLayer) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filter matrix's file: what is written comes back, byte for byte as docs/reference/inferred_textures.md says;
-// every kind of damage is refused by name. One refusal is not reached: "cannot be read to its end" takes a disk that
+// every kind of damage is refused by name. One refusal is not reached: "cannot be read completely" takes a disk that
 // fails between two reads.
 #include "host/fields/inferred/filter_matrix.h"
 
@@ -217,7 +217,7 @@ TEST_F(FilterMatrixRefusalTest, HeadersThatAreDamaged) {
     refuse_header(key, value.is_string() ? nlohmann::json(4) : nlohmann::json("4"), {"header", "damaged"});
   }
   for (const char* key : {"wrapS", "wrapT"})
-    for (const char* name : {"", "Clamp", "repeat"}) refuse_header(key, name, {"header", "wrap mode", "not known"});
+    for (const char* name : {"", "Clamp", "repeat"}) refuse_header(key, name, {"header", "unknown wrap mode"});
 }
 
 TEST_F(FilterMatrixRefusalTest, HeadersOutOfRange) {
@@ -259,17 +259,17 @@ TEST_F(FilterMatrixRefusalTest, AFlippedBitInAnyByteOfTheLists) {
 }
 
 TEST_F(FilterMatrixRefusalTest, ContentsThatAreNoMatrix) {
-  refuse_matrix([](FilterMatrix& m) { m.row_begin = {1, 2, 2, 5}; }, "its rows do not fill its entries");
-  refuse_matrix([](FilterMatrix& m) { m.row_begin = {0, 2, 2, 4}; }, "its rows do not fill its entries");
-  refuse_matrix([](FilterMatrix& m) { m.row_begin = {0, 2, 2, 6}; }, "its rows do not fill its entries");
+  refuse_matrix([](FilterMatrix& m) { m.row_begin = {1, 2, 2, 5}; }, "its rows do not cover all entries");
+  refuse_matrix([](FilterMatrix& m) { m.row_begin = {0, 2, 2, 4}; }, "its rows do not cover all entries");
+  refuse_matrix([](FilterMatrix& m) { m.row_begin = {0, 2, 2, 6}; }, "its rows do not cover all entries");
   refuse_matrix([](FilterMatrix& m) { m.row_begin = {0, 3, 2, 5}; }, "row 1 ends before it begins");
   refuse_matrix([](FilterMatrix& m) { m.row_begin = {0, 2, 4000000000u, 5}; }, "row 2 ends before it begins");
-  refuse_matrix([](FilterMatrix& m) { m.pixels[2] = 12; }, "row 2 is of a pixel beyond the picture");
+  refuse_matrix([](FilterMatrix& m) { m.pixels[2] = 12; }, "row 2 is for a pixel outside the picture");
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
   for (const float coverage : {0.0f, -0.5f, 1.0001f, kNan, kInf})
     refuse_matrix([&](FilterMatrix& m) { m.coverage[1] = coverage; }, "row 1 has coverage ");
-  refuse_matrix([](FilterMatrix& m) { m.columns[1] = 18; }, "entry 1 is of texel 18 of 18");
-  refuse_matrix([](FilterMatrix& m) { m.columns[0] = 0xffffffffu; }, "entry 0 is of texel 4294967295 of 18");
+  refuse_matrix([](FilterMatrix& m) { m.columns[1] = 18; }, "entry 1 is for texel 18 of 18");
+  refuse_matrix([](FilterMatrix& m) { m.columns[0] = 0xffffffffu; }, "entry 0 is for texel 4294967295 of 18");
   for (const float weight : {kNan, kInf, -kInf})
     refuse_matrix([&](FilterMatrix& m) { m.weights[3] = weight; }, "entry 3 is not finite");
 }

@@ -159,7 +159,7 @@ TEST(InferredTextureRefusalTest, TiledFilesOfAnotherShape) {
   refuse({.channels = {"G", "B"}}, {"channel R", "R, G and B"});
   refuse({.channels = {"R", "B", "A"}}, {"channel G"});
   refuse({.channels = {"Y"}}, {"channel R"});
-  refuse({.type = Imf::FLOAT}, {"channel R", "halfs"});
+  refuse({.type = Imf::FLOAT}, {"channel R", "half floats"});
   for (const int shift : {-3, 7}) {
     refuse({.left = shift}, {"data window", "(0, 0)"});
     refuse({.top = shift}, {"data window", "(0, 0)"});

@@ -155,7 +155,7 @@ TEST(TextureMappingJsonTest, SidesAndWrapModesThatNoTextureHasAreRefused) {
     for (const int value : {0, -1, 16385}) {
       nlohmann::json json = unusual_mapping();
       json[side] = value;
-      expect_error(ErrorCode::kInput, {std::to_string(value), "expected 1 to 16384 a side"},
+      expect_error(ErrorCode::kInput, {std::to_string(value), "expected 1 to 16384 per side"},
                    [&] { json.get<TextureMapping>(); });
       json[side] = value < 1 ? 1 : 16384;
       EXPECT_NO_THROW(json.get<TextureMapping>());

@@ -38,10 +38,10 @@ TEST(RecordedPath, RefusesWhatIsNone) {
   const struct {
     std::string text;
     std::vector<std::string> parts;
-  } cases[] = {{"", {"no JSON"}},
-               {"{\"multumPath\":1,", {"no JSON"}},
-               {"[1]", {"no path", "\"multumPath\": 1"}},
-               {"{}", {"no path"}},
+  } cases[] = {{"", {"not JSON"}},
+               {"{\"multumPath\":1,", {"not JSON"}},
+               {"[1]", {"not a path", "\"multumPath\": 1"}},
+               {"{}", {"not a path"}},
                {R"({"multumPath":2})", {"\"multumPath\": 2", "expected 1"}},
                {R"({"multumPath":1})", {"through null", R"(["view","light"])"}},
                {path_text("[[0,0,0],[1,1,1]]", R"(["light","view"])"), {R"(["light","view"])", R"(["view","light"])"}},
@@ -50,7 +50,7 @@ TEST(RecordedPath, RefusesWhatIsNone) {
                {path_text("[[0,0,0],[1,1]]"), {"position 1 is [1,1]", "3 numbers"}},
                {path_text("[[0,0,\"1\"],[1,1,1]]"), {"position 0 is"}},
                {path_text("[[0,0,null],[1,1,1]]"), {"position 0 is"}},
-               {path_text("[[0,0,1e999],[1,1,1]]"), {"no JSON"}},
+               {path_text("[[0,0,1e999],[1,1,1]]"), {"not JSON"}},
                {path_text("[[-1e308,0,0],[1e308,1,1]]"), {"more seconds"}},
                {path_text("[[2,0,0],[1,1,1]]"), {"position 1 is at 1 s", "2 s"}}};
   for (const auto& one : cases)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `multum export --page`: tables, pictures and moving pictures of every way to filter the surface.
+// Fills the page of `multum export --page`: tables, pictures and moving pictures of every filtering method.
 
 const { names, distances, motions, report } = data;
 const ids = Object.keys(names);
 const percent = (share) => (100 * share).toFixed(share < 0.0995 ? 1 : 0);
 const twoPlaces = (value) => value.toFixed(2);
 const OWN = report.anisotropy ? "anisotropic" : "isotropic";
-// The least of a row of numbers is bold.
+// Shows the least number of a row in bold.
 const withBest = (values, text) => {
   const least = Math.min(...values);
   return values.map((value) => (value === least ? { best: text(value) } : text(value)));
@@ -30,12 +30,12 @@ function measuredTable() {
 function distanceSection({ level, models, pictures }) {
   const texels = 2 ** level;
   const figure = (id, caption) => node("figure", {},
-    node("img", { src: `data:image/png;base64,${pictures[id]}`, alt: `${id}, ${texels} texels a pixel`, width: 96,
+    node("img", { src: `data:image/png;base64,${pictures[id]}`, alt: `${id}, ${texels} texels per pixel`, width: 96,
       height: 96 }), node("figcaption", {}, caption));
   return [node("h3", {}, `A pixel covers ${texels} \u00d7 ${texels} texels`), node("div", { class: "pictures" },
     figure("reference", node("b", {}, "reference")),
     ids.map((id) => figure(id, [node("b", {}, names[id]),
-      `: ${percent(models[id].error)} % off, energy ${twoPlaces(models[id].energy)}`])))];
+      `: error ${percent(models[id].error)} %, energy ${twoPlaces(models[id].energy)}`])))];
 }
 
 function motionTable() {
@@ -50,9 +50,10 @@ function motionTable() {
 
 function limitText() {
   const last = distances.at(-1).models, one = percent(last[OWN].error);
-  const text = `Here one lobe is ${one} % off where a pixel covers ${2 ** distances.at(-1).level} texels a side`;
-  return last.baked ? `${text}; ${names.baked} a texel are ${percent(last.baked.error)} % off.`
-    : `${text}. Baked lobes (multum bake) are nearer; a run without --no-measure compares them.`;
+  const side = 2 ** distances.at(-1).level;
+  const text = `Here the error of one lobe is ${one} % where a pixel covers ${side} texels per side`;
+  return last.baked ? `${text}; the error of ${names.baked} per texel is ${percent(last.baked.error)} %.`
+    : `${text}. Baked lobes (multum bake) have a lower error; a run without --no-measure compares them.`;
 }
 
 function movingPictures() {
@@ -78,4 +79,4 @@ if (report.accuracy) {
 byId("distances").append(...distances.flatMap(distanceSection));
 byId("motions").append(motionTable());
 if (data.video) byId("moving").append(...movingPictures());
-else byId("no-video").append("No moving pictures: ffmpeg (Debian package ffmpeg) was not found, or failed.");
+else byId("no-video").append("No moving pictures: ffmpeg (Debian package ffmpeg) is missing or failed.");

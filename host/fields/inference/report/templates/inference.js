@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `multum infer`: errors, pictures, times and counts of report.json, and what C++ adds to it: `samples`
-// with their places on the grid of parameters, `pictures`, and the `texels` of layers.
+// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. C++ adds `samples` with their
+// places on the parameter grid, `pictures`, and the `texels` of layers.
 
-// Seconds a point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
+// Seconds per point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
 // .93 s, obtaining matrix A 2.15 min, solving for textures 2.68 min.
 const PAPER_SECONDS = { mapping: 0.93, probing: 2.15 * 60, solving: 2.68 * 60 };
 const NONE = "\u2013";
 
 const { objects, layers, frames, comparison, parameters, samples, pictures, seconds } = data;
-// Three figures; null: there is none.
+// Formats three digits; null: there is no value.
 const mse = (value) => (value === null ? NONE : value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0));
 const secondsText = (value) => value.toFixed(value < 9.95 ? 2 : 1);
 const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
@@ -21,7 +21,7 @@ function sourceText() {
   const textures = counted(sum(allLayers.map((layer) => layer.textures)), "texture");
   return `${textures} of ${counted(objects.length, "object")} were inferred from ` +
     `${counted(samples.length, "ray-traced picture")} of ${data.width} \u00d7 ${data.height} pixels (${grid}), so ` +
-    "that a GL renderer that draws the objects with them shows those pictures again (Hakura et al. 2000).";
+    "that OpenGL renderers that draw the objects with them reproduce these pictures (Hakura et al. 2000).";
 }
 
 function framesText() {
@@ -33,10 +33,10 @@ function framesText() {
   const ratio = rms > 0 ? ` (PSNR ${(20 * Math.log10(255 / rms)).toFixed(1)} dB)` : "";
   const count = counted(frames.samples.length, "frame"), all = uncovered + notFinite + frames.pixels;
   return [
-    node("b", {}, `${count} drawn with them by multum-view are off by a mean squared error of ${mse(frames.mse)}`),
-    `, a root mean square of ${mse(rms)} of 255 steps${ratio}.`,
+    node("b", {}, `${count} drawn with them by multum-view have a mean squared error of ${mse(frames.mse)}`),
+    `, or a root mean square error of ${mse(rms)} of 255 steps${ratio}.`,
     uncovered > 0 ? ` ${uncovered} of ${all} pixels are not covered wholly by objects and are left out.` : "",
-    notFinite > 0 ? ` ${notFinite} pixels are left out because they are not numbers.` : "",
+    notFinite > 0 ? ` ${notFinite} pixels are left out because they are NaN or infinite.` : "",
   ];
 }
 
@@ -48,33 +48,33 @@ function layersText() {
     mse(squares / pixels);
   if (allLayers.every((layer) => layer.forward_mapping_mse !== null)) {
     const forward = sum(allLayers.map((layer) => layer.forward_mapping_mse * layer.pixels));
-    text += ". Forward mapping, which puts the same pixels into textures without knowing how the GL filters them, " +
+    text += ". Forward mapping puts the same pixels into textures but ignores OpenGL's filter; it " +
       `has ${mse(forward / pixels)}: ${(forward / Math.max(squares, 1e-12)).toFixed(1)} times as much`;
   }
   text += ".";
   const heldOut = allLayers.map((layer) => layer.held_out).filter(Boolean);
   const heldOutPixels = sum(heldOut.map((one) => one.pixels));
   const heldOutSquares = sum(heldOut.map((one) => one.mse * one.pixels));
-  if (heldOutPixels > 0) text += ` In pictures that were held out it is ${mse(heldOutSquares / heldOutPixels)}.`;
+  if (heldOutPixels > 0) text += ` In held-out pictures the error is ${mse(heldOutSquares / heldOutPixels)}.`;
   return text;
 }
 
 function tookNodes() {
   const there = sum(allLayers.map((layer) => layer.textures_there));
   if (there === sum(allLayers.map((layer) => layer.textures)))
-    return [node("p", {}, "All textures were there already from an earlier run: times of this one say nothing of " +
+    return [node("p", {}, "All textures were made by an earlier run, so the times of this run do not include " +
       "inferring them.")];
   return [
     there === 0 ? null :
-      node("p", {}, `${there} of the textures were there already from an earlier run; times are of the others.`),
-    node("p", {}, `Measuring what the GL's filter does took ${secondsText(seconds.probing)} s, solving for the ` +
-      `textures ${secondsText(seconds.systems + seconds.solving)} s, all stages together ` +
-      `${secondsText(totalSeconds)} s. The paper reports 2.15 min and 2.68 min for one point of the parameter ` +
-      `space, of which there are ${samples.length} here, for another scene on machines of its time.`),
+      node("p", {}, `${there} of the textures were made by an earlier run; times are for the others.`),
+    node("p", {}, `Measuring OpenGL's filter took ${secondsText(seconds.probing)} s, solving for the ` +
+      `textures ${secondsText(seconds.systems + seconds.solving)} s, and all stages together ` +
+      `${secondsText(totalSeconds)} s. This scene has ${samples.length} points of the parameter space. For another ` +
+      "scene, the paper reports 2.15 min and 2.68 min per point on machines of its time."),
   ].filter(Boolean);
 }
 
-/** `scale`: CSS pixels a pixel, so that small objects can be seen. */
+/** `scale`: CSS pixels per pixel, so that small objects are visible. */
 function picture({ file, width, height }, scale, alt, ...caption) {
   return node("figure", {}, node("img", { src: file, width: scale * width, height: scale * height, alt }),
     node("figcaption", {}, caption));
@@ -110,7 +110,7 @@ function objectTable() {
   return table(columns, rows);
 }
 
-/** The least of each column, of those that are there, is bold. */
+/** Shows the least value of each column in bold. */
 function comparisonTable() {
   const least = objects.map(({ name }) =>
     Math.min(...comparison.rows.map((row) => row.mse[name]).filter((value) => value !== null)));
@@ -121,16 +121,16 @@ function comparisonTable() {
   return table([{ head: "inferred with", isText: true }, ...objects.map(({ name }) => ({ head: name }))], rows);
 }
 
-const LEFT = 44, TOP = 4; // of the cells of a heat map
+const LEFT = 44, TOP = 4; // position of a heat map's cells
 const label = (x, y, anchor, text, kind = null) =>
   svgNode("text", { class: kind, x: general(x), y: general(y), "text-anchor": anchor }, text);
 
-// Columns are the last parameter, which samples follow fastest; rows are all others together.
+// Columns are the last parameter, which changes fastest between samples. Rows are all other parameters together.
 const columnCount = parameters.length > 0 ? parameters.at(-1).count : 1;
 const rowCount = Math.floor(samples.length / columnCount);
 const cellWidth = Math.min(42, Math.max(4, 336 / columnCount)), cellHeight = cellWidth < 30 ? cellWidth : 24;
 
-/** Which parameters a heat map has across and down: below it, since names may be long. */
+/** Returns the parameters across and down a heat map. The text is below the map, since names may be long. */
 function axesText() {
   if (parameters.length === 0) return "";
   const others = parameters.slice(0, -1).map(({ name }) => name);
@@ -148,7 +148,7 @@ function rowLabels() {
   return labels;
 }
 
-/** A cell for each frame, by the error that `valueOf` has of it; null where the object is seen in none. */
+/** Draws a cell for each frame by its error `valueOf(frame)`. Returns null if no frame shows the object. */
 function heatMap(what, valueOf) {
   const known = frames.samples.map(valueOf).filter((value) => value !== null);
   if (known.length === 0) return null;
@@ -182,13 +182,13 @@ function heatMap(what, valueOf) {
 
 function timeTable() {
   const stages = [["texture coordinates", "mapping"], ["measuring filter matrices", "probing"],
-    ["taking pictures apart into objects", "segmentation"], ["setting up systems", "systems"],
-    ["solving for textures", "solving"], ["forward mapping, to compare with", "baseline"],
+    ["splitting pictures into objects", "segmentation"], ["setting up systems", "systems"],
+    ["solving for textures", "solving"], ["forward mapping, for comparison", "baseline"],
     ["drawing and comparing frames", "rendering"]];
   const row = (name, value, paper) => [name, secondsText(value), (value / samples.length).toFixed(3),
     paper ? secondsText(paper) : ""];
-  const columns = [{ head: "stage", isText: true }, { head: "seconds" }, { head: "a sample" },
-    { head: "the paper's, a sample" }];
+  const columns = [{ head: "stage", isText: true }, { head: "seconds" }, { head: "per sample" },
+    { head: "paper, per sample" }];
   return table(columns, [...stages.map(([name, key]) => row(name, seconds[key], PAPER_SECONDS[key])),
     row("together", totalSeconds)]);
 }
@@ -211,14 +211,14 @@ function countTable() {
   const s = data.segmentation;
   return table([{ head: "what", isText: true }, { head: "count" }], [
     ["pixels of objects' layers that were not finite", s.not_finite_pixels],
-    ["negative ones", s.negative_pixels],
+    ["negative pixels", s.negative_pixels],
     ["of these, repaired from neighbours", s.repaired_pixels],
     ["of these, dropped", s.dropped_pixels],
-    ["mixed pixels, taken apart", s.mixed_pixels],
+    ["mixed pixels, split into objects", s.mixed_pixels],
     ["of these, without a wholly covered pixel nearby", s.unguided_pixels],
     ["values below 0 after that, set to 0", s.clamped_values],
     ["values above the radiance maximum, clipped", s.clipped_values],
-    ["depths that are not numbers", data.nan_depths],
+    ["depths that are NaN", data.nan_depths],
     ["rows of filter matrices", data.rows],
     ["of these, rejected", data.rows_rejected],
     ["matrices measured in this run", data.matrices_measured],
@@ -258,8 +258,8 @@ for (const { object, layer, picture: one } of pictures.textures) {
 byId("times").append(timeTable());
 byId("mappings").append(mappingTable());
 byId("counts").append(countTable());
-// Only when it is wanted; what stands in an object is shown where there is no such file.
+// Loads the player only on request. If the file is missing, the object's content is shown.
 byId("player").addEventListener("toggle", ({ target }) => {
   target.replaceWith(node("object", { id: "player", type: "text/html", data: "player.html", "aria-label": "player" },
-    "There is no player.html beside this page yet: the command above writes it, FOLDER being this page's folder."));
+    "This page's folder has no player.html yet. The command above writes it if FOLDER is this page's folder."));
 });
