@@ -10,7 +10,7 @@
 namespace multum::gl {
 namespace {
 
-// From GL/osmesa.h, which cannot be included beside GL/glcorearb.h (it includes the compatibility GL/gl.h).
+// From GL/osmesa.h, which includes the compatibility GL/gl.h and so conflicts with GL/glcorearb.h.
 constexpr int kOsmesaFormat = 0x22;
 constexpr int kOsmesaDepthBits = 0x30;
 constexpr int kOsmesaStencilBits = 0x31;

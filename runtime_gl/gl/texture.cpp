@@ -12,7 +12,7 @@
 namespace multum::gl {
 namespace {
 
-// GL 4.6's names, equal to those of ARB_ and EXT_texture_filter_anisotropic; older GL/glcorearb.h may lack them.
+// GL 4.6 names, equal to those of ARB_ and EXT_texture_filter_anisotropic; older GL/glcorearb.h may lack them.
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;
 constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
 
@@ -99,7 +99,7 @@ Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& sh
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_T, wrap_value(sampler.wrap_t));
   gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, sampler.filtered ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
   gl.TextureParameteri(id_, GL_TEXTURE_MAG_FILTER, sampler.filtered ? GL_LINEAR : GL_NEAREST);
-  // Beyond a "black" border there is no material at all: a lobe of amplitude 0.
+  // Beyond a "black" border there is no material: the lobe has amplitude 0.
   const GLfloat border[4] = {0.0f, 0.0f, 0.0f, 0.0f};
   gl.TextureParameterfv(id_, GL_TEXTURE_BORDER_COLOR, border);
   if (sampler.filtered) set_anisotropy(gl, id_, sampler.anisotropy);
@@ -178,7 +178,7 @@ std::vector<float> Texture::read_level(int level) const {
   std::vector<float> values(4 * width * height);
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
   if (shape_.format == TexelFormat::kRgba16Snorm) {
-    // As integers: NVIDIA's driver (580) reads them as floats by the mapping of OpenGL 4.1, (2 c + 1) / 65535.
+    // Reads integers, because NVIDIA's driver (580) converts them to floats by OpenGL 4.1's mapping, (2 c + 1) / 65535.
     std::vector<std::int16_t> integers(values.size());
     gl_->GetTextureImage(id_, level, GL_RGBA, GL_SHORT, static_cast<GLsizei>(integers.size() * sizeof(std::int16_t)),
                          integers.data());
