@@ -30,7 +30,7 @@ FieldPlayer::FieldPlayer(const GlFunctions& gl, const std::string& path, const P
       textures_(playback_.description().layers.size()) {
   if (settings.upload_max < kUploadLeast)
     throw Error(ErrorCode::kUsage, "playback: uploads of " + std::to_string(settings.upload_max) +
-                                       " bytes a frame, expected at least " + std::to_string(kUploadLeast));
+                                       " bytes per frame, expected at least " + std::to_string(kUploadLeast));
   if (!has_whole_textures()) reserve_memory();
 }
 
@@ -134,7 +134,7 @@ void FieldPlayer::wait_for(std::vector<LayerNeed>& needs) {
     if (playback_.wait()) continue;
     throw Error(ErrorCode::kEnvironment, "playback: the images of a frame do not fit into " +
                                              std::to_string(settings_.playback.memory_max) +
-                                             " bytes of memory: allow more");
+                                             " bytes of memory: raise the memory limit");
   }
   report_.wait_seconds = stopwatch.seconds() - (report_.upload_seconds - uploading_before);
 }

@@ -89,8 +89,9 @@ class EglContext final : public HeadlessContext {
       if (reason.empty()) return;
       reasons += (reasons.empty() ? "" : "; ") + candidate.name + ": " + reason;
     }
-    throw Error(ErrorCode::kEnvironment,
-                "EGL: " + (reasons.empty() ? "neither the surfaceless nor the device platform is offered" : reasons));
+    throw Error(
+        ErrorCode::kEnvironment,
+        "EGL: " + (reasons.empty() ? "the library has neither the surfaceless nor the device platform" : reasons));
   }
   ~EglContext() override { close(); }
 

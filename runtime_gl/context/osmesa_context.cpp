@@ -46,7 +46,7 @@ class OsmesaContext final : public HeadlessContext {
                               0,
                               0};
     context_ = create(attributes, nullptr);
-    if (context_ == nullptr) throw Error(ErrorCode::kEnvironment, "OSMesa: refused an OpenGL 4.5 core context");
+    if (context_ == nullptr) throw Error(ErrorCode::kEnvironment, "OSMesa: cannot create an OpenGL 4.5 core context");
     try {
       bind();
       load(library_.symbol<GetProcAddress>("OSMesaGetProcAddress"), debug);

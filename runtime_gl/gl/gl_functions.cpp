@@ -28,7 +28,7 @@ GlFunctions load_gl_functions(GetProcAddress get_proc_address) {
   // another.
   if (major * 10 + minor < 45)
     throw Error(ErrorCode::kEnvironment, "the GL context has version " + std::to_string(major) + "." +
-                                             std::to_string(minor) + ", 4.5 or more is needed");
+                                             std::to_string(minor) + ", expected 4.5 or later");
 #define MULTUM_GL_FIND(type, name) gl.name = find_function<type>(get_proc_address, "gl" #name);
   MULTUM_GL_FUNCTIONS(MULTUM_GL_FIND)
 #undef MULTUM_GL_FIND

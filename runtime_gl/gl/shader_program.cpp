@@ -59,9 +59,9 @@ void compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources, 
   GLint ok = GL_FALSE;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
   if (ok == GL_TRUE) return;
-  throw Error(ErrorCode::kEnvironment, variant_name(sources) + ": the driver refuses the " +
+  throw Error(ErrorCode::kEnvironment, variant_name(sources) + ": the driver cannot compile the " +
                                            (is_vertex ? "vertex" : "fragment") +
-                                           " stage (text 0 is the version and the flags):\n" + shader_log(gl, shader));
+                                           " shader (text 0 is the version and the flags):\n" + shader_log(gl, shader));
 }
 
 }  // namespace
@@ -79,7 +79,8 @@ ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources
   GLint ok = GL_FALSE;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &ok);
   if (ok != GL_TRUE)
-    throw Error(ErrorCode::kEnvironment, variant_name(sources) + " does not link:\n" + program_log(gl, id_));
+    throw Error(ErrorCode::kEnvironment,
+                variant_name(sources) + ": the driver cannot link it:\n" + program_log(gl, id_));
   check_gl(gl, "building " + variant_name(sources));
 }
 

@@ -48,8 +48,7 @@ void set_anisotropy(const GlFunctions& gl, GLuint texture, float anisotropy) {
   if (!has_gl_extension(gl, "GL_ARB_texture_filter_anisotropic") &&
       !has_gl_extension(gl, "GL_EXT_texture_filter_anisotropic"))
     throw Error(ErrorCode::kEnvironment,
-                "anisotropic filtering was asked for; the GL driver has no "
-                "GL_EXT_texture_filter_anisotropic");
+                "cannot filter anisotropically: the GL driver has no GL_EXT_texture_filter_anisotropic");
   GLfloat anisotropy_max = 1.0f;
   gl.GetFloatv(kMaxTextureMaxAnisotropy, &anisotropy_max);
   gl.TextureParameterf(texture, kTextureMaxAnisotropy, std::min(anisotropy, anisotropy_max));
@@ -61,13 +60,13 @@ void check_size(const GlFunctions& gl, const std::string& name, const TextureSha
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &size_max);
   if (shape.width > size_max || shape.height > size_max)
     throw Error(ErrorCode::kEnvironment, name + " is " + std::to_string(shape.width) + " x " +
-                                             std::to_string(shape.height) + " texels; this GL takes up to " +
+                                             std::to_string(shape.height) + " texels; this GL supports at most " +
                                              std::to_string(size_max) + " in each direction");
   GLint layers_max = 0;
   gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers_max);
   if (shape.layer_count > layers_max)
     throw Error(ErrorCode::kEnvironment, name + " has " + std::to_string(shape.layer_count) +
-                                             " layers; this GL takes up to " + std::to_string(layers_max));
+                                             " layers; this GL supports at most " + std::to_string(layers_max));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ void check_levels(const MomentMipmap& mipmap) {
                       mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0) &&
                       mipmap.levels[index].weights.size() == texels * static_cast<std::size_t>(header.weight_count);
     if (!good)
-      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map has not " +
+      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map does not have " +
                                          std::to_string(width) + " x " + std::to_string(height) + " texels of moments");
   }
 }
