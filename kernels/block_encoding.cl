@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes blocks of 4 x 4 texels as BC4 and BC7 (Khronos Data Format Specification 1.3, chapters 18 and 20), with the
-// least sum of squared differences that it finds. BC5 is two blocks of BC4.
+// Encodes blocks of 4 x 4 texels as BC4 and BC7 (Khronos Data Format Specification 1.3, chapters 18 and 20). Searches
+// for the codes with the least sum of squared differences. BC5 is two blocks of BC4.
 //
-// BC4: two ends of 8 bits and an index of 3 bits a texel, of eight values from end to end, or of six and 0 and 1. From
-// the best of several starts the ends climb by ever smaller steps to where no neighbour is nearer.
-// BC7: every block chooses its mode. Mode 6, one line through the colours with 16 steps, is tried first; it is the last
-// where it is as near as rounding to 8 bits. Else a channel by itself (modes 4 and 5, by rotation) and two lines (mode
-// 1) are tried too. A line begins along the texels' principal axis and is fitted to its indices by least squares; the
-// codes of the best then climb one by one. Modes of three lines are not used. Alpha is 255; or the third channel is
-// stored as alpha and blue is 255, by modes 4, 5 and 6, which swap what they store of the two.
+// BC4: two ends of 8 bits, and one index of 3 bits per texel. An index selects one of eight values from end to end, or
+// one of six such values and 0 and 1. From the best of several starts, the ends climb by ever smaller steps until no
+// neighbour has a lower error.
+// BC7: every block chooses its mode. Mode 6, one line through the colours with 16 steps, is tried first. The search
+// stops there if its error is no higher than that of rounding to 8 bits. Otherwise a separate channel (modes 4 and 5,
+// by rotation) and two lines (mode 1) are tried too. A line starts along the texels' principal axis and is fitted to
+// its indices by least squares; then the codes of the best line climb one by one. Modes with three lines are not used.
+// Alpha is 255. If the third channel is stored as alpha, blue is 255 and modes 4, 5 and 6 swap the two.
 //
-// Values are of 0 to 255, not rounded. A block's texels are the lanes of a vector, on any device.
+// Values range from 0 to 255 and are not rounded. A block's texels are the lanes of a vector, on any device.
 
 #include "device/numerics.clh"
 #include "shared/block_encoding.h"
 
 #ifdef __clang__
-#pragma clang diagnostic ignored "-Wpsabi"  // vectors wider than a processor's: all functions here are inlined
+#pragma clang diagnostic ignored "-Wpsabi"  // passing wide vectors: all functions here are inlined
 #endif
 
-// The squared differences of rounding the 48 values of a block to 8 bits, on average: 48 / 12.
+// The mean sum of squared differences from rounding the 48 values of a block to 8 bits: 48 / 12.
 #define ROUNDING_ERROR 4.0f
 
 static inline float sum_of(float16 v) {
@@ -36,7 +37,7 @@ static inline float least_of(float16 v) {
 
 static inline float most_of(float16 v) { return -least_of(-v); }
 
-// Bits from the lowest of the first word on.
+// Bits of a block, from the lowest bit of the first word upwards.
 typedef struct BlockBits {
   uint words[4];
   int at;
@@ -51,12 +52,12 @@ static inline void put_bits(BlockBits* bits, uint value, int count) {
 
 // ------------------------------------------------------------------------------------------------------------ BC4
 
-// Two ends, whole numbers from 0 to 255, low <= high; `has_limits`: six values from end to end, and 0 and 255.
+// Two ends, whole numbers from 0 to 255, low <= high. `has_limits`: six values from end to end, plus 0 and 255.
 typedef struct ScalarEnds {
   float low, high, error;
 } ScalarEnds;
 
-// Steps from low to high that are nearest, 0 to 5 or 7.
+// Nearest steps from low to high: 0 to 5, or 0 to 7.
 static inline float16 scalar_steps(float16 v, float low, float high, float step_count) {
   const float scale = high > low ? step_count / (high - low) : 0.0f;
   return rint(clamp((v - low) * scale, 0.0f, step_count));
@@ -74,7 +75,7 @@ static inline float scalar_error(float16 v, float low, float high, int has_limit
 static inline void try_ends(float16 v, float low, float high, int has_limits, ScalarEnds* best) {
   low = clamp(rint(low), 0.0f, 255.0f);
   high = clamp(rint(high), 0.0f, 255.0f);
-  // Eight values are told from six by the order of the ends, which are then two.
+  // The decoder tells eight values from six by the order of the ends, so eight values need two different ends.
   if (low > high || (low == high && !has_limits)) return;
   const float error = scalar_error(v, low, high, has_limits);
   if (error < best->error) {
@@ -84,7 +85,7 @@ static inline void try_ends(float16 v, float low, float high, int has_limits, Sc
   }
 }
 
-// Ends by least squares, for the steps that texels have now; of texels with weight 1, others have 0.
+// Fits the ends by least squares to the texels' current steps. Only texels with weight 1 count; the others have 0.
 static inline void fit_ends(float16 v, float16 weight, float* low, float* high, float step_count) {
   const float16 u = scalar_steps(v, *low, *high, step_count) / step_count;
   const float count = sum_of(weight), mean_u = sum_of(weight * u) / fmax(count, 1.0f);
@@ -97,7 +98,7 @@ static inline void fit_ends(float16 v, float16 weight, float* low, float* high, 
   *high = *low + slope;
 }
 
-// Moves either end, and both, by `step` as long as that helps.
+// Moves either end, or both, by `step` as long as the error falls.
 static inline void climb(float16 v, float step, int has_limits, ScalarEnds* best) {
   for (int turn = 0; turn < 32; ++turn) {
     const ScalarEnds from = *best;
@@ -110,7 +111,7 @@ static inline void climb(float16 v, float step, int has_limits, ScalarEnds* best
 }
 
 static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
-  // Values at the limits have those.
+  // Values at the limits use the codes for 0 and 255 and do not count in the fit.
   const float16 weight = has_limits ? select((float16)(1.0f), (float16)(0.0f),
                                              isless(v, (float16)(4.0f)) | isgreater(v, (float16)(251.0f)))
                                     : (float16)(1.0f);
@@ -120,7 +121,7 @@ static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
   ScalarEnds best = {0.0f, 255.0f, scalar_error(v, 0.0f, 255.0f, has_limits)};
   try_ends(v, floor(least), ceil(most), has_limits, &best);
   try_ends(v, floor(least), floor(least) + 1.0f, has_limits, &best);
-  // Ranges that leave out up to a step at either end, each fitted twice.
+  // Tries ranges that leave out up to one step at either end, and fits each range twice.
   for (int start = 0; start < 9; ++start) {
     const float margin = (most - least) / (2.0f * step_count);
     float low = fma(margin, (float)(start / 3), least), high = fma(-margin, (float)(start % 3), most);
@@ -136,7 +137,7 @@ static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
 // One work-item = one block.
 //   values [block][16]   0 to 255
 //   blocks [block]       written
-// Compute bound: some 200 looks at a block's error.
+// Compute bound: evaluates a block's error some 200 times.
 __kernel void encode_scalar_blocks(__global const float* values, __global uint2* blocks, int block_count) {
   const int item = (int)get_global_id(0);
   if (item >= block_count) return;
@@ -156,7 +157,7 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
   vstore16(d * d, 0, squares);
   vstore16(v, 0, texels);
   BlockBits bits = {{0, 0, 0, 0}, 0};
-  // Eight values: the first end is the higher one, and steps are counted from it. Six: the lower one.
+  // Eight values: the first end is the higher one. Six values: it is the lower one. Indices count from the first end.
   put_bits(&bits, (uint)(has_limits ? ends.low : ends.high), 8);
   put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);
   for (int i = 0; i < MULTUM_BLOCK_TEXELS; ++i) {
@@ -173,8 +174,8 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
 
 // ------------------------------------------------------------------------------------------------------------ BC7
 
-// A block's texels: where their channels' values are, read again each time, that registers be left for the rest; which
-// of the texels count, a bit each; and the channel that is 255 instead, or -1.
+// A block's texels: the address of their channels' values, a mask with one bit per texel that counts, and the channel
+// that is 255 instead (-1: none). Values are read again at each use, which leaves registers for the rest.
 typedef struct Colours {
   __global const float* values;
   uint mask;
@@ -185,25 +186,25 @@ static inline float16 channel_of(Colours c, int channel) {
   return channel == c.without ? (float16)(255.0f) : vload16(channel, c.values);
 }
 
-// 1 of texels that count, 0 of others.
+// Returns 1 for texels in the mask and 0 for the others.
 static inline float16 subset_weight(uint mask) {
   const int16 lanes = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   return convert_float16(((int16)((int)mask) >> lanes) & 1);
 }
 
-// How an end's channels are stored: `bits` of its own, and where has_p one bit below that all three share.
+// Storage of an end's channels: `bits` per channel and, if has_p, one more low bit p that all three channels share.
 typedef struct EndPrecision {
   int bits, has_p;
 } EndPrecision;
 
-// A line: codes of both ends by channel, without their p; the indices that texels have then.
+// A line: codes of both ends per channel, without the p bits, and the error with these codes.
 typedef struct CodedLine {
   int codes[2][3];
   int p[2];
   float error;
 } CodedLine;
 
-// What a code becomes: its bits, and below them the highest again.
+// Expands a code to 8 bits: its own bits, followed by its highest bits again.
 static inline float decoded(int code, int p, EndPrecision precision) {
   const int total = precision.bits + precision.has_p, value = precision.has_p ? code << 1 | p : code;
   return (float)(value << (8 - total) | value >> (2 * total - 8));
@@ -216,7 +217,7 @@ static inline int nearest_code(float value, int p, EndPrecision precision) {
   return clamp((int)rint(code), 0, (1 << precision.bits) - 1);
 }
 
-// Of 2, 3 or 4 bits: 64ths of the way from end to end.
+// Returns the weight of an index of 2, 3 or 4 bits, in 64ths of the way from end to end.
 static inline float16 index_weight(float16 index, float last) { return rint(index * (64.0f / last)); }
 
 static inline float16 interpolated(float low, float high, float16 weight) {
@@ -251,7 +252,7 @@ static inline float line_error(Colours c, const CodedLine* line, EndPrecision pr
   return sum_of(subset_weight(c.mask) * square);
 }
 
-// Means and the upper triangle of the covariance, as sums: xx, xy, xz, yy, yz, zz.
+// Sums of the channels, and sums of products for the upper triangle of the covariance: xx, xy, xz, yy, yz, zz.
 typedef struct ColourSums {
   float count, x, y, z, xx, xy, xz, yy, yz, zz;
 } ColourSums;
@@ -274,7 +275,7 @@ static inline ColourSums colour_sums(Colours c) {
   return s;
 }
 
-// About the mean.
+// Replaces the sums by means, and the sums of products by those about the mean.
 static inline ColourSums centred(ColourSums s) {
   const float share = 1.0f / fmax(s.count, 1.0f);
   s.xx -= s.x * s.x * share;
@@ -289,7 +290,7 @@ static inline ColourSums centred(ColourSums s) {
   return s;
 }
 
-// The axis of the largest spread, a unit vector, by power iteration from the largest column.
+// Returns the axis of the largest spread, a unit vector, by power iteration from the largest column.
 static inline float4 principal_axis(ColourSums s) {
   float4 axis = s.xx >= s.yy && s.xx >= s.zz ? (float4)(s.xx, s.xy, s.xz, 0.0f)
                 : s.yy >= s.zz               ? (float4)(s.xy, s.yy, s.yz, 0.0f)
@@ -306,7 +307,7 @@ static inline float4 principal_axis(ColourSums s) {
   return length < 1e-6f ? (float4)(0.577350269f, 0.577350269f, 0.577350269f, 0.0f) : axis / length;
 }
 
-// The least sum of squared distances from a line, about: the spread less its largest eigenvalue.
+// Estimates the least sum of squared distances from a line: the total spread minus its largest eigenvalue.
 static inline float line_residual(ColourSums s) {
   s = centred(s);
   const float4 axis = principal_axis(s);
@@ -321,7 +322,7 @@ static inline void quantize(float4 low, float4 high, EndPrecision precision, Cod
     for (int c = 0; c < 3; ++c) line->codes[end][c] = nearest_code(ends[end][c], line->p[end], precision);
 }
 
-// The line for given p: from the principal axis, by least squares.
+// Fits a line for a given p by least squares, starting from the principal axis.
 static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, float last) {
   const ColourSums s = centred(colour_sums(c));
   const float4 mean = (float4)(s.x, s.y, s.z, 0.0f), axis = principal_axis(s);
@@ -337,7 +338,7 @@ static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, fl
     tried.error = line_error(c, &tried, precision, last);
     if (tried.error >= best.error) break;
     best = tried;
-    // Ends by least squares for these indices.
+    // Fits the ends by least squares to these indices.
     const float16 u =
         index_weight(line_indices(c, line_end(&tried, 0, precision), line_end(&tried, 1, precision), last), last) *
         (1.0f / 64.0f);
@@ -358,13 +359,13 @@ static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, fl
 __constant char kFirstMoves[8] = {1, -1, 0, 0, 1, -1, 1, -1};
 __constant char kSecondMoves[8] = {0, 0, 1, -1, 1, -1, -1, 1};
 
-// Each code a step up and down, and a channel's both together, until a round finds nothing.
+// Moves each code, and both codes of a channel together, one step up or down until a round finds no lower error.
 static inline CodedLine climbed_line(Colours c, EndPrecision precision, float last, CodedLine best) {
   CodedLine tried;
   for (int turn = 0; turn < 3; ++turn) {
     const float before = best.error;
     for (int move = 0; move < 24; ++move) {
-      const int channel = move % 3, kind = move / 3;  // kinds: which ends go up, and which down
+      const int channel = move % 3, kind = move / 3;  // kind: which ends go up or down
       tried = best;
       tried.codes[0][channel] = clamp(best.codes[0][channel] + kFirstMoves[kind], 0, (1 << precision.bits) - 1);
       tried.codes[1][channel] = clamp(best.codes[1][channel] + kSecondMoves[kind], 0, (1 << precision.bits) - 1);
@@ -376,7 +377,7 @@ static inline CodedLine climbed_line(Colours c, EndPrecision precision, float la
   return best;
 }
 
-// A channel by itself: codes of both ends.
+// A separate channel: codes of both ends, and the error with these codes.
 typedef struct CodedScalar {
   int codes[2];
   float error;
@@ -428,7 +429,8 @@ static inline CodedScalar fitted_scalar(float16 v, int bits, float last) {
 
 static inline void store_indices(float16 index, int* indices) { vstore16(convert_int16(index), 0, indices); }
 
-// Swaps the ends of a line whose anchor's index has its highest bit set, which is not stored.
+// Reverses the indices of a line if the anchor texel's index has its highest bit set: that bit is not stored. Returns 1
+// if the caller must swap the line's ends.
 static inline int turn_anchor(int* indices, int anchor, uint mask, int last) {
   if (indices[anchor] <= last / 2) return 0;
   for (int i = 0; i < MULTUM_BLOCK_TEXELS; ++i)
@@ -449,7 +451,8 @@ static inline void put_indices(BlockBits* bits, const int* indices, int bit_coun
     put_bits(bits, (uint)indices[i], i == 0 || i == other_anchor ? bit_count - 1 : bit_count);
 }
 
-// Mode 6: ends of 7 bits and p 1, so that alpha, or blue where the third channel is alpha, is 255; 16 steps.
+// Mode 6: ends of 7 bits and p = 1, so that the unused channel is 255 (alpha, or blue if the third channel is alpha);
+// 16 steps.
 static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alpha) {
   const EndPrecision precision = {7, 1};
   int indices[16];
@@ -467,7 +470,7 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
   return bits;
 }
 
-// Modes 4 and 5: channel `alone` has ends and indices of its own and stands where alpha does; in its place is alpha.
+// Modes 4 and 5: channel `alone` has its own ends and indices and is stored in alpha; alpha is stored in its place.
 typedef struct SeparateMode {
   int mode, colour_bits, scalar_bits;
   int colour_last, scalar_last;  // steps: 3 or 7
@@ -483,8 +486,8 @@ static inline Colours without(Colours c, int alone) {
   return c;
 }
 
-// Where the third channel is alpha: a block is decoded by swapping alpha with the channel of its rotation. So the third
-// channel is stored where `alone` was, and the 255 that the line has in place of `alone` is stored as blue.
+// If the third channel is alpha: a decoder swaps alpha with the channel that the rotation names. So the third channel
+// is stored in the place of `alone`, and the line's constant 255, which is in the place of `alone`, is stored as blue.
 static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit, int third_is_alpha) {
   const EndPrecision precision = {m.colour_bits, 0};
   int colour[16], scalar[16];
@@ -503,21 +506,21 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
   BlockBits bits = {{0, 0, 0, 0}, 0};
   put_bits(&bits, 1u << m.mode, m.mode + 1);
   put_bits(&bits, third_is_alpha && alone == 2 ? 0u : (uint)(alone + 1), 2);
-  if (m.mode == 4) put_bits(&bits, m.colour_last == 7, 1);  // which indices have 3 bits
+  if (m.mode == 4) put_bits(&bits, m.colour_last == 7, 1);  // selects which indices have 3 bits
   for (int channel = 0; channel < 3; ++channel)
     for (int end = 0; end < 2; ++end) {
       const int source = !third_is_alpha ? channel : channel == 2 ? alone : channel == alone ? 2 : channel;
       put_bits(&bits, (uint)fit.line.codes[end][source], m.colour_bits);
     }
   for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)fit.scalar.codes[end], m.scalar_bits);
-  // Indices of 2 bits come first; in mode 5 those of colours.
+  // Indices of 2 bits come first; in mode 5, where both have 2 bits, the colours' indices come first.
   const int scalar_first = m.colour_last == 7;
   put_indices(&bits, scalar_first ? scalar : colour, 2, -1);
   put_indices(&bits, scalar_first ? colour : scalar, m.mode == 4 ? 3 : 2, -1);
   return bits;
 }
 
-// The channel whose leaving makes the others a line.
+// Returns the channel without which the other channels are closest to a line.
 static inline int channel_alone(Colours c) {
   int alone = 0;
   float least = INFINITY;
@@ -543,7 +546,7 @@ static inline ColourSums difference(ColourSums a, ColourSums b) {
 __constant ushort kPartitionMasks[MULTUM_BC7_PARTITIONS] = MULTUM_BC7_PARTITION_MASKS;
 __constant uchar kAnchors[MULTUM_BC7_PARTITIONS] = MULTUM_BC7_ANCHORS;
 
-// The two partitions whose lines leave least.
+// Returns the two partitions whose pairs of lines leave the least residual.
 static inline int2 best_partitions(Colours c) {
   const ColourSums all = colour_sums(c);
   float first = INFINITY, second = INFINITY;
@@ -566,7 +569,7 @@ static inline int2 best_partitions(Colours c) {
   return found;
 }
 
-// Mode 1: two lines, ends of 6 bits and one p a line; 8 steps.
+// Mode 1: two lines, ends of 6 bits, one p per line, 8 steps.
 static inline BlockBits mode_1_block(Colours c, int partition, CodedLine* lines) {
   const EndPrecision precision = {6, 1};
   const int anchor = kAnchors[partition];
@@ -603,7 +606,8 @@ static inline Colours subset_of(Colours c, int partition, int line) {
   return c;
 }
 
-// The best of modes 4 and 5 before any climb; `choice`: of kSeparateModes.
+// Modes 4 and 5 with their bits and steps: mode, colour bits, scalar bits, colour steps, scalar steps. separate_fit()
+// returns the best fit before any climb; `choice` is its index here.
 __constant SeparateMode kSeparateModes[3] = {{5, 7, 8, 3, 3}, {4, 5, 6, 3, 7}, {4, 5, 6, 7, 3}};
 
 static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
@@ -623,8 +627,8 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
   return best;
 }
 
-// What mode 6 cannot reach, since its p is 1: 0 is stored as 1. A channel that is 0 everywhere, such as metalness, is
-// not a reason to search on.
+// Returns the error that mode 6 cannot avoid: its p is 1, so it stores 0 as 1. A channel that is 0 everywhere, such as
+// metalness, is not a reason to search on.
 static inline float unreachable_error(Colours c) {
   float error = 0.0f;
   for (int channel = 0; channel < 3; ++channel) error += most_of(channel_of(c, channel)) == 0.0f ? 16.0f : 0.0f;
@@ -634,9 +638,9 @@ static inline float unreachable_error(Colours c) {
 // One work-item = one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
-// third_is_alpha: the third channel is alpha, and blue is 255. It is an argument, not a second kernel: functions that
-// two kernels call are not inlined, and BC7 takes half as long again (PoCL 3.1, AVX2).
-// Compute bound: some 50 looks at a block's error where mode 6 will do, some 200 else.
+// third_is_alpha: the third channel is alpha, and blue is 255. This is an argument and not a second kernel, because the
+// compiler does not inline functions that two kernels call, and BC7 then takes 1.5 times as long (PoCL 3.1, AVX2).
+// Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200 times.
 __kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count,
                                    int third_is_alpha) {
   const int item = (int)get_global_id(0);
@@ -668,7 +672,7 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
         lines[1] = one;
       }
     }
-    // Only what is nearer before it climbs does so.
+    // Only the candidate with the lower error before the climb is climbed.
     if (fit.line.error + fit.scalar.error < lines[0].error + lines[1].error) {
       const SeparateMode mode = kSeparateModes[choice];
       const EndPrecision precision = {mode.colour_bits, 0};

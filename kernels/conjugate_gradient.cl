@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vector operations of preconditioned conjugate gradient on three colours at once, each with scalars of its own.
-// Sums are formed in parts, one a work-item over a fixed range, and added up by the host in double: the same bytes
-// whatever the number of threads.
+// Vector operations of the preconditioned conjugate gradient method on three colours at once. Each colour has its own
+// scalars. Each work-item sums one fixed range, and the host adds these parts in double precision, so the result does
+// not depend on the number of threads.
 //
-// All of it is memory bound, so an iteration passes over its vectors as seldom as the two scalars allow: once for
-// alpha, once for beta, and once for what needs both. The preconditioned residual is not stored but formed twice.
+// All kernels are memory bound. An iteration therefore passes over its vectors only three times: once for alpha, once
+// for beta, and once for the update that needs both. The preconditioned residual is computed twice instead of stored.
 
 // The range of texels that a work-item sums over.
 int part_begin(int texel_count, int part, int part_count) { return (int)(((long)texel_count * part) / part_count); }
 
-// parts[part] = sum of p q over the part's range. With is_bounded, first q = is_free (q + diagonal p): the diagonal of
-// range regularisation, and nothing for what is held at a bound. One work-item = one part; global size part_count.
+// Computes parts[part] = sum of p q over the part's range. With is_bounded, first sets q = is_free (q + diagonal p):
+// adds the diagonal of range regularisation, and sets texels that are fixed at a bound to 0. One work-item = one part;
+// global size part_count.
 __kernel void curvature_product(__global const float4* p, __global float4* q, __global const float4* diagonal,
                                 __global const float4* is_free, __global float4* parts, int is_bounded, int texel_count,
                                 int part_count) {
@@ -30,7 +31,8 @@ __kernel void curvature_product(__global const float4* p, __global float4* q, __
   parts[part] = sum;
 }
 
-// r -= alpha q; parts[part] = sum of r inverse_diagonal r, parts[part_count + part] = sum of r r over the part's range.
+// Computes r -= alpha q. Over the part's range, parts[part] = sum of r inverse_diagonal r, and parts[part_count + part]
+// = sum of r r.
 // One work-item = one part; global size part_count.
 __kernel void advance_residual(__global float4* r, __global const float4* q, __global const float4* inverse_diagonal,
                                __global float4* parts, float4 alpha, int texel_count, int part_count) {
@@ -49,7 +51,7 @@ __kernel void advance_residual(__global float4* r, __global const float4* q, __g
   parts[part_count + part] = norm;
 }
 
-// step += alpha p, p = inverse_diagonal r + beta p. One work-item = one texel; global size texel_count.
+// Computes step += alpha p and p = inverse_diagonal r + beta p. One work-item = one texel; global size texel_count.
 __kernel void advance_direction(__global float4* step, __global float4* p, __global const float4* r,
                                 __global const float4* inverse_diagonal, float4 alpha, float4 beta, int texel_count) {
   const int i = (int)get_global_id(0);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of the filter matrix A, its stored transpose or A^T A with a list of colours (Hakura et al. 2000, section
-// 3.2, eqs. 2 and 3): three colours at once, since the matrix is common to them.
+// Multiplies the filter matrix A, its stored transpose or A^T A by a list of colours (Hakura et al. 2000, section 3.2,
+// eqs. 2 and 3). Handles three colours at once, because they share the matrix.
 //
-// Rows are stored in blocks of 8 entries, the last one padded with weight 0: a trilinear row is one block, so that the
-// matrix is ELL where all rows are; rows that were averaged over sub-pixels have more.
+// Rows are stored in blocks of 8 entries; the last block is padded with weight 0. A trilinear row is one block, so a
+// matrix of only such rows has the ELL format. Rows that are averages over sub-pixels have more blocks.
 
 // One work-item = one row; global size row_count.
 //   block_begin [row_count + 1]   first block of each row
-//   columns     [8 * blocks]      below the length of x
+//   columns     [8 * blocks]      indices below the length of x
 //   weights     [8 * blocks]
 //   x           [columns]         three colours and 0
 //   y           [row_count]       written

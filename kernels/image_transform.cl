@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), of all textures of a chunk in
-// one launch: colours to three planes, then block cosines (DCT-II, orthonormal) or a level of the biorthogonal 9/7
-// wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
-// host/fields/codec/decoder/block_dct.h and wavelet_transform.h say which; the decoder has the inverses.
+// Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), for all textures of a chunk in
+// one launch. Converts colours to three planes, and then applies block cosines (DCT-II, orthonormal) or one level of
+// the biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
+// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define them; the decoder has the inverses.
 //
-// Every coefficient is summed by one work-item in a fixed order, with explicit fma: the same on every device that
-// rounds as IEEE does, however many textures a launch has.
+// One work-item sums each coefficient in a fixed order, with explicit fma. So the result is the same on every device
+// that rounds as IEEE does, for any number of textures in a launch.
 
 #include "device/numerics.clh"
 
@@ -15,7 +15,7 @@
 
 #define MULTUM_DCT_SIDE_MAX 32
 
-// planes[p] = row p of the rotation times the colour - offset p.
+// Computes planes[p] = row p of the rotation times the colour - offset p.
 // One work-item = one texel of one texture; global size texture_count * texel_count.
 //   textures [texture][texel][3]
 //   axes     [3][4]                    a row of the rotation, then its plane's offset
@@ -33,14 +33,14 @@ __kernel void colour_planes(__global const float* textures, __global const float
         fma(axes[4 * p], red, fma(axes[4 * p + 1], green, fma(axes[4 * p + 2], blue, -axes[4 * p + 3])));
 }
 
-// The blocks of an image, rows of blocks after one another; those at the right and lower borders reach beyond it, where
-// its outermost texels go on:
+// An image's blocks are stored row by row. Blocks at the right and lower borders extend beyond the image and repeat its
+// outermost texels:
 //
 //     +----+----+--+ . .      side = 4, columns = 3
 //     |  0 |  1 | 2|   .
 //     +----+----+--+ . .
 
-// Along rows: half[y][u] = sum over x of cosines[u][x] samples[y][x].
+// Transforms rows: half[y][u] = sum over x of cosines[u][x] samples[y][x].
 // One work-item = one row of one block; global size image_count * columns * rows * side.
 //   planes  [image][height][width]
 //   cosines [side][side]                   row k: frequency k
@@ -64,7 +64,7 @@ __kernel void dct_rows(__global const float* planes, __global const float* cosin
   }
 }
 
-// Down columns: coefficients[v][u] = sum over y of cosines[v][y] half[y][u].
+// Transforms columns: coefficients[v][u] = sum over y of cosines[v][y] half[y][u].
 // One work-item = one row of coefficients of one block; global size block_count * side.
 //   half         [block][side][side]
 //   coefficients [block][side][side]   written
@@ -85,7 +85,7 @@ __kernel void dct_columns(__global const float* half_way, __global const float* 
   for (int u = 0; u < side; ++u) out[u] = sums[u];
 }
 
-// The index of a line of n >= 2 samples that is mirrored at its outermost ones, again and again.
+// Maps an index to a line of n >= 2 samples that is mirrored repeatedly at its outermost samples.
 static int mirrored(int i, int n) {
   const int period = 2 * (n - 1);
   i = i % period;
@@ -93,9 +93,9 @@ static int mirrored(int i, int n) {
   return i < n ? i : period - i;
 }
 
-// A level of the wavelet transform along lines: ceil(n / 2) low coefficients, then floor(n / 2) high ones. Each step of
-// lifting adds to every other sample a multiple of both neighbours; what a pair of coefficients needs of it is computed
-// here from nine samples, so that pairs need nothing of one another:
+// Computes a level of the wavelet transform along lines: ceil(n / 2) low coefficients, then floor(n / 2) high ones.
+// Each lifting step adds a multiple of both neighbours to every other sample. One work-item computes its part of every
+// step from nine samples, so pairs of coefficients do not depend on one another:
 //
 //     samples       -4  -3  -2  -1   0   1   2   3   4     of sample 2k
 //     predict        .   o   .   o   .   o   .   o   .     odd  += -1.586 (both neighbours)
@@ -103,12 +103,12 @@ static int mirrored(int i, int n) {
 //     predict        .   .   .   o   .   o   .   .   .     odd  +=  0.883 (...)
 //     update         .   .   .   .   o   .   .   .   .     even +=  0.444 (...)
 //
-// Lines are rows or columns of a rectangle at each image's corner: their samples lie `stride` apart, `length` of them,
-// at least 2, the lines `step`. One work-item = one pair of one line of one image, low 2k and high 2k + 1, which the
-// last pair of an odd length lacks; global size image_count * line_count * ceil(length / 2). Neighbouring items are
-// neighbouring columns where lines are columns.
+// Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, `stride`
+// apart; lines are `step` apart. One work-item = one pair of one line of one image: low coefficient 2k and high
+// coefficient 2k + 1, which the last pair of an odd length lacks. Global size image_count * line_count * ceil(length /
+// 2). If lines are columns, neighbouring items are neighbouring columns.
 //   samples      [image][image_texels]
-//   coefficients [image][image_texels]   written: the rectangle alone; another buffer
+//   coefficients [image][image_texels]   written, only inside the rectangle; must be another buffer
 // Memory bound.
 __kernel void wavelet_lift(__global const float* samples, __global float* coefficients, int image_count,
                            int image_texels, int line_count, int step, int length, int stride) {

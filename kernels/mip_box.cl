@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Box-filtered mip pyramids (Williams 1983, section 3) of planes of numbers - colours, moments, heights, radiance - of
-// every level at once while the map streams by in bands of rows.
+// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) of planes of numbers - colours, moments,
+// heights, radiance - at once, as the map streams by in bands of rows.
 //
-// A texel of a level averages exactly what it covers of the finest texels (docs/contributing/ALGORITHMS.md,
-// "Notation"), for any size; Williams has powers of two alone, each level from the one before:
+// A texel of a level averages exactly the finest texels that it covers (docs/contributing/ALGORITHMS.md, "Notation"),
+// for any size. Williams supports only powers of two, and computes each level from the one before. Here:
 //
-//     along a row      its column covers blocks of 2^k texels and fractions at the ends (row_blocks.h): a few nodes
-//     down the rows    whole rows weigh 1, a row between two texels is shared out; a compensated sum
+//     along a row      a column covers blocks of 2^k texels and fractions at its ends (row_blocks.h): a few nodes
+//     down the rows    whole rows weigh 1, a row between two texels is split between them; a compensated sum
 //
-// so that no level depends on another, nor on the height of bands, and for powers of two nothing but additions and one
-// multiplication by a power of two happens. Sums begin in one band and end in another; they are all that is kept.
-// Borders: a texel covers nothing beyond the map, so that averages are the same for every wrap mode.
+// So no level depends on another or on the height of bands. For powers of two, the only operations are additions and
+// one multiplication by a power of two. Sums may begin in one band and end in another; no other data is kept between
+// bands. A texel covers nothing beyond the map's borders, so averages are the same for every wrap mode.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"
@@ -19,6 +19,7 @@
 #error "mip_box has only a scalar variant"
 #endif
 
+// Copies the texels of planes to nodes.
 // One work-item = one texel of a plane of the band; global size plane_count * row_count * map_width.
 //   planes [plane][row][map_width]
 //   nodes  [plane][row][row_length]   written: the texels
@@ -29,7 +30,8 @@ __kernel void mip_texels(__global const float* planes, __global float* nodes, Mu
   nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
 }
 
-// Three planes among others. One work-item = one texel of the band; global size row_count * map_width.
+// Copies three features to consecutive planes. One work-item = one texel of the band; global size row_count *
+// map_width.
 //   value_x, value_y, value_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of planes first_plane to first_plane + 2
 // Memory bound.
@@ -45,8 +47,9 @@ __kernel void mip_features(__global const float* value_x, __global const float* 
   out[2 * plane_size] = value_z[item];
 }
 
-// One work-item = one block; global size plane_count * row_count * block_count. Launched for blocks of 2, of 4, ...
-//   nodes   in place: block i, at first_block + i, is the sum of the two at first_half + 2 i
+// Sums pairs of blocks. Launched for blocks of 2, of 4, and so on.
+// One work-item = one block; global size plane_count * row_count * block_count.
+//   nodes   in place: block i, at first_block + i, is the sum of the two blocks at first_half + 2 i
 // Memory bound.
 __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {
   const int item = (int)get_global_id(0);
@@ -56,18 +59,19 @@ __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_ha
   row[first_block + block] = row[first_half + 2 * block] + row[first_half + 2 * block + 1];
 }
 
-// The level that a column of all levels belongs to.
+// Returns the level of a column; columns are counted over all levels.
 static MultumBoxLevel level_of_column(__global const MultumBoxLevel* levels, int level_count, int column) {
   int l = level_count - 1;
   while (levels[l].first_column > column) --l;
   return levels[l];
 }
 
+// Adds the rows of a band to the sums of all levels, and writes the averages of finished rows.
 // One work-item = one column of a level in one plane, down the rows of the band; global size plane_count *
 // column_count.
 //   nodes      [plane][row][row_length]
 //   tap_begin  [column_count + 1], taps: the nodes of each column
-//   sums       [plane][column_count][2]   a sum and what rounding took from it, from one band to the next; first zeros
+//   sums       [plane][column_count][2]   a sum and its rounding error, passed from band to band; initially zeros
 //   averages   [level][plane][row][column]   written: rows that the band finishes
 // Memory bound.
 __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLevel* levels,
@@ -86,8 +90,8 @@ __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLe
     __global const float* in = nodes + ((size_t)plane * band.row_count + i) * band.row_length;
     float value = 0.0f;
     for (int tap = first_tap; tap < end_tap; ++tap) value = fma(taps[tap].weight, in[taps[tap].node], value);
-    // In units of 1/height of a finest row: this one is [begin, end), the level's row ends at `border`. Sides are at
-    // most 32768: products fit an int.
+    // In units of 1/height of a finest row, this row is [begin, end) and the level's row ends at `border`. Sides are at
+    // most 32768, so products fit an int.
     const int begin = (band.first_row + i) * level.height, end = begin + level.height;
     const int border = (row + 1) * band.map_height;
     if (end < border) {

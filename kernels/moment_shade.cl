@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered moments by the runtime's formulas, so that a bake can measure the error of what it wrote: of a
-// highlight the convolution alone, or with the cosine n . l of its light.
+// Shades filtered moments by the runtime's formulas, so that a bake can measure the error of its output. Highlights are
+// only convolved, or also multiplied by the cosine n . l of their light.
 
 #include "device/moment_shading.clh"
 #include "shared/moments.h"
@@ -9,8 +9,8 @@
 #error "moment_shade has only a scalar variant"
 #endif
 
-// Of half vector h the cosine that its highlight is multiplied by: that of the averaged normal; 1 where none is asked
-// for.
+// Returns the cosine that the highlight of half vector h is multiplied by: that of the averaged normal, or 1 if h.w
+// requests no cosine.
 static inline float cosine_of_half(float4 mean, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;
   return max(1.0f - one_minus_cosine(mean, lights[(int)h.w - 1].xyz), 0.0f);
@@ -18,12 +18,12 @@ static inline float cosine_of_half(float4 mean, float4 h, __global const float4*
 
 // One work-item = one sample point; global size sample_count.
 //   moments    [sample]                       already filtered
-//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine; w
-//   of
-//                                 half vectors: 1 + the number of the light whose cosine is in its highlights, 0: none
+//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light that multiplies its highlights by a
+//                               cosine, or 0 for none
+//   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness()
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
-// `shading` is MULTUM_SHADE_...; levels that are left to the normal map are shaded by Toksvig's rule in each.
+// `shading` is MULTUM_SHADE_...; levels that come from the normal map always use Toksvig's rule.
 // Compute bound.
 __kernel void moment_shade(__global const MultumFilteredMoments* moments, __global const float4* half_vectors,
                            __global const float4* lights, __global const float* exponents, __global float* values,

@@ -1,29 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// The normals of a coarse texel, binned: sorted into the cells of a grid over directions, each cell a sample of EM
-// with the number of its normals as weight and their mean vector as normal. Cells are so much smaller than lobes that
-// EM does the same with some thousand of them as with all normals, and first moments stay exact.
-// docs/contributing/ALGORITHMS.md, "Binned normals".
+// Bins the normals of a coarse texel: sorts them into the cells of a grid over directions. Each cell becomes one sample
+// of EM, with the number of its normals as weight and their mean vector as normal. Cells are much smaller than lobes,
+// so EM gives the same result with some thousand cells as with all normals, and first moments stay exact
+// (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
-// Directions lie at p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to cells, by
-// three quarters from how many normals lie where and by a quarter from their extent: a few steep edges do not coarsen
-// the cells of a flat texel. What lies outside the axes belongs to the outermost cells.
+// Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
+// cells:
+// three quarters of it follow the density of normals and one quarter their extent, so that a few steep edges do not
+// coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
 //
-// Normals that a BRDF's width has shortened (MovmfFit::shortened) lie by their directions, in a grid of their own for
-// each class of lengths: sharp and wide BRDFs under one texel are what lobes are to tell apart. Classes end at kappa
-// 1250, 133 and 22, that is at a perceptual roughness of 0.2, 0.35 and 0.55, so that the kappas of a class differ by 9
-// at most but for the sharpest, whose widths hardly show.
+// Normals that a BRDF's width has shortened (MovmfFit::shortened) are sorted by direction too, in a separate grid for
+// each class of lengths, because lobes must distinguish sharp and wide BRDFs under one texel. Classes end at kappa
+// 1250, 133 and 22, which are perceptual roughnesses of 0.2, 0.35 and 0.55. So the kappas of a class differ by a factor
+// of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
-// The map streams by in bands of rows. Sums are whole numbers of 2^-30, so that no order of bands, chunks or threads
-// can be seen in them, and nothing is rounded away that thousands of nearly equal normals differ by: 2^28 of them add
-// up to 2^58 at most. A launch is for the texels of one row of a level. This file has only a scalar variant; those for
-// devices with atomic additions and teams of work-items are in movmf_binning_team.cl, the same bytes.
+// The map streams by in bands of rows. Sums are whole numbers of 2^-30, so they do not depend on the order of bands,
+// chunks or threads, and thousands of nearly equal normals lose no differences to rounding. 2^28 normals add up to 2^58
+// at most. A launch handles the texels of one row of a level. This file has only a scalar variant.
+// movmf_binning_team.cl has variants for devices with atomic additions and teams of work-items; they write the same
+// bytes.
 
 #include "device/binned_cells.clh"
 
 #define CELL_BLOCK 64
 
-// Part `index` of `count` parts of a range of `size`: one place in it, by chance, so that a pattern cannot fall in
-// step.
+// Returns a random place in part `index` of `count` parts of a range of `size`. Random places do not fall in step with
+// a pattern of the map.
 static int place_in_part(int index, int count, int size, uint seed) {
   const int first = (int)((long)index * size / count), last = (int)((long)(index + 1) * size / count);
   uint state = seed * 1664525u + 1013904223u;
@@ -32,11 +34,11 @@ static int place_in_part(int index, int count, int size, uint seed) {
   return first + (int)((state >> 8) % (uint)(last - first));
 }
 
-// One normal of each of MULTUM_PROBE_SIDE blocks across and down (fewer where there are fewer normals), of those rows
-// that are there. One work-item = one row of blocks of one texel; global size width * MULTUM_PROBE_SIDE.
+// Probes one normal in each of MULTUM_PROBE_SIDE blocks across and down (fewer if there are fewer normals), in the rows
+// that the window holds. One work-item = one row of blocks of one texel; global size width * MULTUM_PROBE_SIDE.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   probes [texel][MULTUM_PROBE_COUNT][2]   written: p
-// Bound by memory latency: 32 scattered reads an item.
+// Bound by memory latency: 32 scattered reads per item.
 __kernel void movmf_bin_probe(__global const float* normal_x, __global const float* normal_y,
                               __global const float* normal_z, __global float* probes, MultumMovmfFit fit,
                               int texel_row) {
@@ -58,8 +60,8 @@ __kernel void movmf_bin_probe(__global const float* normal_x, __global const flo
   }
 }
 
-// The axes of one texel's grid, from its probes. One work-item = one axis of one texel; global size 2 * width.
-//   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins a unit of p, and the cell at each bin's edge
+// Computes the axes of one texel's grid from its probes. One work-item = one axis of one texel; global size 2 * width.
+//   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins per unit of p, and the cell at each bin's edge
 __kernel void movmf_bin_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit, int texel_row) {
   const int item = (int)get_global_id(0);
   const int texel = item / 2, k = item % 2;
@@ -93,10 +95,9 @@ __kernel void movmf_bin_axes(__global const float* probes, __global float* axes,
 // Adds the values of normals to their cells. One work-item = one of chunk_count chunks of columns of one texel; global
 // size width * chunk_count.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
-//   value_x, value_y, value_z                                   what is summed: the normals again, or colours
+//   value_x, value_y, value_z                                   summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
-// `are_normals`: of Gaussians over (x, y) the third value is E[x^2 + y^2] then, which x and y alone do not tell of a
-// cell.
+// `are_normals`: for Gaussians over (x, y) the third sum is then E[x^2 + y^2], which the cell's x and y cannot give.
 // Bound by the latency of scattered adds.
 __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
                               __global const float* restrict normal_z, __global const float* restrict value_x,
@@ -121,7 +122,7 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
 #endif
     for (int block = first_column; block < last_column; block += CELL_BLOCK) {
       const int count = min(CELL_BLOCK, last_column - block);
-      // Cells first, side by side, then the sums, one after another.
+      // Finds the cells of a block first, all at once, and then adds to their sums one after another.
       int cells_of[CELL_BLOCK];
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;
@@ -140,11 +141,11 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
   }
 }
 
-// Adds the chunks and lines up the cells that hold anything. One work-item = one texel; global size texel_count.
+// Adds the chunks and packs the cells that are not empty. One work-item = one texel; global size texel_count.
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
-// `are_normals`: as above; what is written is what planar_family.clh takes for a sample. Memory bound.
+// `are_normals`: as above; the samples then have the form that planar_family.clh expects. Memory bound.
 __kernel void movmf_bin_means(__global const long* cells, __global float* samples, __global int* sample_counts,
                               int texel_count, int chunk_count, int cell_count, int are_normals) {
   const int texel = (int)get_global_id(0);

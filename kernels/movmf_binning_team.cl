@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins normals as movmf_binning.cl does, for devices that add to one place from many work-items and take a texel by a
-// team of them (host/formats/opencl/launch_shape.h): the same bytes. A file of its own, since a driver compiles all
-// that a file has. This file has only a scalar variant.
+// Bins normals as movmf_binning.cl does, and writes the same bytes, for devices that add to one place from many
+// work-items and give each texel a team of them (host/formats/opencl/launch_shape.h). This is a separate file because a
+// driver compiles everything in a file. This file has only a scalar variant.
 
 #include "device/binned_cells.clh"
 
@@ -16,9 +16,10 @@ static void add_to_cell(__global long* cells, int cell, long4 value) {
   atom_add((volatile __global long*)(at + 3), value.w);
 }
 
-// As movmf_bin_cells, into one table a texel, by atomic additions of whole numbers, whose order cannot be seen.
-// One work-item = strip_rows rows of one column of one texel; global size width * fit.sample_columns * strip_count,
-// columns side by side. What goes to one cell in a row of turns is added there once, so that a flat map is no queue.
+// Does the work of movmf_bin_cells into one table per texel, by atomic additions of whole numbers, whose order does not
+// matter. One work-item = strip_rows rows of one column of one texel; global size width * fit.sample_columns *
+// strip_count, with neighbouring columns in neighbouring items. Consecutive values for one cell are added once
+// together, so that work-items of a flat map do not queue.
 //   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
 __kernel void movmf_bin_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
                             __global const float* restrict normal_z, __global const float* restrict value_x,
@@ -58,9 +59,9 @@ __kernel void movmf_bin_add(__global const float* restrict normal_x, __global co
 }
 #endif
 
-// As movmf_bin_means, by a team of MULTUM_TEAM work-items a texel, the same bytes: a member takes a cell, and its
-// place is the number of those before it that hold anything. Local size MULTUM_TEAM, global size MULTUM_TEAM *
-// texel_count.
+// Does the work of movmf_bin_means with a team of MULTUM_TEAM work-items per texel, and writes the same bytes. Each
+// member takes a cell; its place is the number of earlier cells that are not empty. Local size MULTUM_TEAM, global size
+// MULTUM_TEAM * texel_count.
 __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_bin_team_means(
     __global const long* cells, __global float* samples, __global int* sample_counts, int texel_count, int chunk_count,
     int cell_count, int are_normals) {

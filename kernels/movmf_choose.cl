@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level 1 of maps of even sides, instead of EM: a texel covers four normals, and each is given whole to one of its
-// lobes. Of all J^4 ways that one is taken whose lobes are narrowest, by themselves and mixed with what lies around, as
-// texture filters mix them (docs/contributing/ALGORITHMS.md, "Level 1").
+// Fits level 1 of maps with even sides, in place of EM. A texel covers four normals, and each normal is given whole to
+// one of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. Their width is
+// measured separately and mixed with the surrounding lobes, as texture filters mix them
+// (docs/contributing/ALGORITHMS.md, "Level 1").
 //
-// With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times how far they
-// lie from their mean, in root mean square. A way costs, over its lobes j of normals S_j and with T_j what lies around,
+// With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times their root
+// mean square distance from their mean. For lobes j with normals S_j and surroundings T_j, an assignment costs
 //
 //   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
 //
-// where e, half the inverse of the cap of kappa, is a width that no highlight shows. T_j is the mean of lobe j of the
-// parents, as a filter between levels takes them, and of the neighbours that are done. c q - |m|^2 is additive over
-// pairs of normals, of which it is formed, and over S_j and T_j; what rounding leaves of it below 0 is far less than e.
+// where e, half the inverse of the cap of kappa, is too small a width for any highlight to show. T_j is the mean of
+// lobe j of the parents, weighted as a filter between levels weights them, and of the neighbours that are done. c q -
+// |m|^2 is additive over pairs of normals, and over S_j and T_j; it is computed from pairs. If rounding makes it
+// negative, it is still far smaller than e.
 //
-// The least of all ways is found one lobe after another: the least cost of giving the normals S to the first j lobes is
-// that of S less A to the first j - 1, plus that of A to lobe j, least over the subsets A of S.
+// The least cost is found one lobe after another. The least cost of giving the normals S to the first j lobes is the
+// minimum over the subsets A of S: the least cost of S without A for the first j - 1 lobes, plus the cost of A for lobe
+// j.
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"
@@ -26,15 +29,15 @@
 #define SUBSETS (1 << NORMALS)
 #define PARENTS 4
 
-// popcount() of the four bits, which not every compiler's library has.
+// popcount() of the four bits; not every compiler's library has popcount().
 static int normals_in(int set) { return (set & 1) + ((set >> 1) & 1) + ((set >> 2) & 1) + ((set >> 3) & 1); }
 
-// The first finest texel in its window that a texel covers, column and row 0, or row 1.
+// Returns the window index of the first finest texel that a texel covers in its first row, or (`below`) second row.
 static size_t covered_pair(int column, int row, int below, const MultumMovmfFit* fit) {
   return map_row_start(2 * row + below, fit) + 2 * column;
 }
 
-// The normals of texels: sample i is that of column i % 2 and row i / 2.
+// Loads the normals of texels; sample i is in column i % 2 and row i / 2.
 static void gather_normals(__global const float* normal_x, __global const float* normal_y,
                            __global const float* normal_z, const Places* places, const MultumMovmfFit* fit,
                            LobeLanes* samples) {
@@ -56,14 +59,16 @@ static void gather_normals(__global const float* normal_x, __global const float*
   }
 }
 
-// The parents that a texture's filter mixes at the middle of a texel, by sides of 3/4 and 1/4: its own first.
+// Parents that a texture's filter mixes at the middle of a texel, weighted 3/4 and 1/4 along each side; the texel's own
+// parent is first.
 typedef struct Parents {
   int place[PARENTS][MULTUM_VECTOR_WIDTH];
 } Parents;
 
 __constant const float parent_weights[PARENTS] = {0.5625f, 0.1875f, 0.1875f, 0.0625f};
 
-// The next row or column of parents on the side where `i` lies in its own, `own`: at a border that does not repeat it.
+// Returns the row or column of parents next to `own` on the side of `own` where `i` is. Returns `own` at a border that
+// does not repeat.
 static int parent_beside(int i, int own, int size, int periodic) {
   const int beside = own + ((i & 1) != 0 ? 1 : -1);
   if (beside >= 0 && beside < size) return beside;
@@ -82,7 +87,7 @@ static void find_parents(const Places* places, const MultumMovmfFit* fit, Parent
   }
 }
 
-// Sums of what lies around lobes of one number, `parent` and `level` their planes.
+// Sums the lobes of one index around each texel; `parent` and `level` are the planes of that lobe.
 static LobeLanes sums_around(__global const float* parent, __global const float* level, const Places* places,
                              const Parents* parents) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], weight[MULTUM_VECTOR_WIDTH];
@@ -109,7 +114,7 @@ static LobeLanes sums_around(__global const float* parent, __global const float*
   return sums;
 }
 
-// Scatters c q - |m|^2 of all sets of samples.
+// Computes the scatters c q - |m|^2 of all sets of samples.
 static void scatters_of_sets(const LobeLanes* samples, real_v* scatters) {
   scatters[0] = (real_v)(0.0f);
   for (int i = 0; i < NORMALS; ++i) {
@@ -123,12 +128,12 @@ static void scatters_of_sets(const LobeLanes* samples, real_v* scatters) {
   }
 }
 
-// What each set costs as lobe j's.
+// Computes the cost of giving each set to lobe j.
 static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, const real_v* own_costs, LobeLanes around,
                           float e, float alignment, real_v* costs) {
   const real_v square = square_of_sums(around);
   const real_v own = fma(around.amplitude, square, -sample_product(around, around));
-  real_v between[SUBSETS];  // scatter of the set's means about that of what lies around
+  real_v between[SUBSETS];  // scatter of the set's means about the mean of the surroundings
   between[0] = (real_v)(0.0f);
   for (int i = 0; i < NORMALS; ++i) {
     const real_v one = fma(sample_square(samples[i]), around.amplitude,
@@ -142,7 +147,7 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
   }
 }
 
-// A set's normals as nibbles, which hold the numbers of lobes.
+// Spreads a set's four bits to four nibbles, which hold the lobe of each normal.
 static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6 | (set & 8) << 9; }
 
 // One work-item = MULTUM_VECTOR_WIDTH slots; global size slot_count / MULTUM_VECTOR_WIDTH.
@@ -152,7 +157,7 @@ static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6
 //   texel_list [slot]                        window row * width + x, or -1
 //   chosen     [slot]                        written: the lobe of normal i in bits 4 i to 4 i + 3, for
 //                                            movmf_feature_chosen
-// fit.alignment weighs the mixed widths. Bound by the gathers and by 16 square roots a lobe.
+// fit.alignment weighs the mixed widths. Bound by the gathers and by 16 square roots per lobe.
 __kernel void movmf_choose(__global const float* normal_x, __global const float* normal_y,
                            __global const float* normal_z, __global const MultumVmfLobe* parent,
                            __global MultumVmfLobe* level, __global const int* texel_list, __global int* chosen,
@@ -168,7 +173,7 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
   LobeLanes samples[NORMALS];
   gather_normals(normal_x, normal_y, normal_z, &places, &fit, samples);
   real_v scatters[SUBSETS], own_costs[SUBSETS], costs[SUBSETS], least[SUBSETS];
-  int_v lobes[SUBSETS];  // the ways that cost least, as `chosen` has them
+  int_v lobes[SUBSETS];  // assignments of least cost, in the format of `chosen`
   scatters_of_sets(samples, scatters);
   for (int set = 0; set < SUBSETS; ++set) {
     const float count = (float)normals_in(set);
@@ -184,7 +189,8 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
       for (int set = 0; set < SUBSETS; ++set) least[set] = costs[set];
       continue;
     }
-    // From the largest on: what is read has not changed yet. Of the last lobe only all normals matter.
+    // Starts with the largest set, so that the sets that are read have not changed yet. The last lobe needs only the
+    // set of all normals.
     const int smallest = j == MULTUM_LOBES - 1 ? SUBSETS - 1 : 0;
     for (int set = SUBSETS - 1; set >= smallest; --set) {
       real_v best = least[set] + costs[0];
@@ -234,7 +240,7 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
     for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
       if (texel_list[slot + lane] < 0) continue;
       float4 own = (float4)(x[lane], y[lane], z[lane], count[lane] / NORMALS);
-      // A lobe of no normals is where the parent's is.
+      // A lobe without normals takes the direction and spread of the parent's lobe.
       if (count[lane] == 0.0f)
         own.xyz = vload4(j * parent_size + parents.place[0][lane], (__global const float*)parent).xyz;
       vstore4(own, j * level_size + places.own[lane], (__global float*)level);
@@ -242,10 +248,10 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
   }
 }
 
-// Three features of each lobe: a_j y_j = 1/4 sum of its normals' y.
+// Computes three features of each lobe: a_j y_j = 1/4 sum of its normals' y.
 // One work-item = one slot.
 //   value_x, value_y, value_z [map_window_rows * map_width]
-//   chosen   [slot]                            of movmf_choose
+//   chosen   [slot]                            from movmf_choose
 //   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
 // Memory bound.
 __kernel void movmf_feature_chosen(__global const float* value_x, __global const float* value_y,

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// EM of coarse levels: a texel covers so many normals that one work-item sums only a chunk of them (some rows of its
-// rectangle), and a second kernel adds the chunks and does the M-step. One pair of launches an iteration.
-// Han et al. 2007, section 7, Algorithm 1. The normals are read where they lie, 16 columns at a time:
+// EM of coarse levels. A texel covers so many normals that one work-item sums only a chunk of them (some rows of its
+// rectangle); a second kernel adds the chunks and does the M-step. Each iteration is one pair of launches. Han et al.
+// 2007, section 7, Algorithm 1. Normals are read in place, 16 columns at a time:
 //
 //   texel rectangle    lane  0 1 2 ... 15 | 0 1 2 ... 15 | ...      columns, from the texel's first
 //   chunk 0            rows  0 .. chunk_rows - 1
 //   chunk 1            rows  chunk_rows .. 2 chunk_rows - 1
 //
-// Canonical order of a sum, the same in both variants: a lane adds its columns block by block, and down the chunk's
-// rows in each block; the 16 lanes are added as a tree (sum_lanes); the chunks one after another with compensation.
+// Both variants sum in the same canonical order: a lane adds its columns block by block, and down the chunk's rows in
+// each block; the 16 lanes are added as a tree (sum_lanes); the chunks are added one after another with compensation.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -22,7 +22,7 @@
 
 #define PARTIAL_SUMS 5  // S, X, Y, Z, D of a lobe
 
-// Coverage of the finest columns that the lanes of a block stand for; lanes beyond the texel weigh 0.
+// Returns the coverage of the finest columns of a block, one per lane; columns outside the texel weigh 0.
 static real_v column_weights(int first, int x, int map_size, int level_size) {
 #if MULTUM_VECTOR_WIDTH == 1
   return coverage(first, x, map_size, level_size);
@@ -36,8 +36,8 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
 
 // One work-item = one chunk (vector variant) or one lane of one chunk (scalar variant, local size MULTUM_GROUP).
 // Global size chunk_count * slot_count, times MULTUM_GROUP in the scalar variant; slot_count counts whole groups.
-//   normal_x, normal_y, normal_z [rows * map_width + MULTUM_GROUP]  the window's rows and those of chunks that begin in
-//                                                                   its last ones; the last MULTUM_GROUP are finite
+//   normal_x, normal_y, normal_z [rows * map_width + MULTUM_GROUP]  the window's rows and the further rows of chunks
+//                                                                   that begin in it; the last MULTUM_GROUP are finite
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
 // Compute bound, like movmf_em_texels.
@@ -54,13 +54,14 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
   const int chunk_index = (int)get_global_id(0);
 #endif
   const int slot = chunk_index / fit.chunk_count, chunk = chunk_index % fit.chunk_count;
-  // Unused slots repeat the texel 0: every work-item of a group takes the same path to the barriers below.
+  // Unused slots repeat texel 0, so that every work-item of a group takes the same path to the barriers below.
   const int texel = slot < fit.slot_count ? max(texel_list[slot], 0) : 0;
   const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;
   const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
-  // A chunk is summed when the window that it begins in is there. One that a narrower texel lacks sums nothing, once.
+  // A chunk is summed when the window that it begins in is loaded. A chunk that a narrower texel lacks sums nothing,
+  // once.
   if (!in_map_window(min(first_row, fit.map_height - 1), &fit)) return;
   const int used_slot = min(slot, fit.slot_count - 1);
 
@@ -81,7 +82,7 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
   for (int block = 0; block < fit.sample_columns; block += MULTUM_GROUP) {
     const int column = first_covered(x, fit.map_width, fit.width) + block + lane;
     const real_v column_weight = column_weights(column, x, fit.map_width, fit.width);
-    // Columns beyond the map weigh 0; they read the next row, or the zeros behind the last.
+    // Columns beyond the map weigh 0; they read the next row, or the zeros after the last row.
     const int readable = min(column, fit.map_width);
     for (int first = first_row; first < last_row; first += SAMPLE_BLOCK) {
       const int count = min(SAMPLE_BLOCK, last_row - first);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Second half of an EM iteration on coarse levels: adds the partial sums of movmf_em_partial and does the M-step. Han
-// et al. 2007, section 7, equation 16. Scalar in both variants: there is little of it.
+// et al. 2007, section 7, equation 16. Both variants are scalar, because the work is small.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -12,7 +12,7 @@
 #endif
 #define PARTIAL_SUMS 5
 
-// The sums of one lobe over the chunks of a texel.
+// Sums one lobe over the chunks of a texel.
 static void sum_chunks(__global const float* chunks, int lobe, int chunk_count, float* sum) {
   float carry[PARTIAL_SUMS] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   for (int k = 0; k < PARTIAL_SUMS; ++k) sum[k] = 0.0f;
@@ -24,8 +24,8 @@ static void sum_chunks(__global const float* chunks, int lobe, int chunk_count, 
 }
 
 #if MULTUM_PLANAR
-// movmf_em_cap: the caps of texels' kappas, after the first E-step and before any M-step, since all lobes' means go
-// into them. One work-item = one slot; global size slot_count. Memory bound.
+// movmf_em_cap: computes the caps of texels' kappas after the first E-step. Runs before any M-step, because the caps
+// need the means of all lobes. One work-item = one slot; global size slot_count. Memory bound.
 __kernel void movmf_em_cap(__global const float* restrict partial, __global float* restrict start,
                            __global const int* restrict texel_list, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0);
@@ -49,7 +49,7 @@ __kernel void movmf_em_cap(__global const float* restrict partial, __global floa
   for (int j = 0; j < MULTUM_LOBES; ++j) LOBE_PLANE(j, MULTUM_START_CAP) = cap;
 }
 #else
-// The cap of one texel's kappas: all lobes of all chunks together.
+// Returns the cap of one texel's kappas, from all lobes of all chunks together.
 static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* fit) {
   float sum[3] = {0.0f, 0.0f, 0.0f}, carry[3] = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < fit->chunk_count * MULTUM_LOBES; ++i)
@@ -61,11 +61,11 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
-//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: the next one's
-//   level   [lobe][window_rows * width]                       written in the last iteration, which leaves `start` alone
-//   alignment_vectors [lobe][window_rows * width][4]                   written then: what neighbours' priors are made
-//   of
-// Sums of up to 2^16 chunks are compensated: their rounding stays that of one addition. Memory bound.
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: those of the next
+//   E-step
+//   level   [lobe][window_rows * width]                       written in the last iteration, which keeps `start`
+//   alignment_vectors [lobe][window_rows * width][4]          written in the last iteration, for the neighbours' priors
+// Sums of up to 2^16 chunks are compensated: their rounding error stays that of one addition. Memory bound.
 __kernel void movmf_em_mstep(__global const float* restrict partial, __global float* restrict start,
                              __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
                              __global float* restrict alignment_vectors, MultumMovmfFit fit, int iteration) {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// EM of fine levels: every iteration of a texel inside one work-item. Han et al. 2007, section 7, Algorithm 1; of
-// MULTUM_PLANAR Tan et al. 2005, section 4.1.
+// EM of fine levels: one work-item runs every iteration of a texel. Han et al. 2007, section 7, Algorithm 1; with
+// MULTUM_PLANAR, Tan et al. 2005, section 4.1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
-//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     movmf_pack or movmf_binned_pack
+//   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     from movmf_pack or movmf_binned_pack
 //   sample_counts [group]                                              at most fit.sample_capacity
-//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
-//                                                                      E-step, for movmf_features
-//   alignment_vectors [lobe][window_rows * width][4]                   written: what neighbours' priors are made of
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           from movmf_start; on return the parameters of
+//                                                                      the last E-step, for movmf_features
+//   alignment_vectors [lobe][window_rows * width][4]                   written, for the neighbours' priors
 //   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
-// Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
-// group still do: the same bytes from both variants, and from a team (below). Compute bound: about 26 operations a
-// lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.
+// Sums run over the samples in their order, and a texel that has converged keeps its lobes while others of its group
+// continue. So both variants, and a team (below), write the same bytes. Compute bound: about 26 operations per lobe and
+// sample. A texel reads 12 or 16 bytes per sample, from cache after the first iteration.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -21,7 +21,7 @@
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif
-// What a lobe of less does to a texel cannot be seen: whether it still moves does not matter.
+// Lobes below this amplitude are invisible; they do not delay convergence.
 #define UNSEEN_SHARE 1e-3f
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 #define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
@@ -116,7 +116,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
     }
     if (fit.convergence_tolerance_squared > 0.0f) moving = moving & (change > fit.convergence_tolerance_squared);
   }
-  // The last E-step's own moments are stored, without the prior: it steers which lobe is which and never biases them.
+  // The last E-step's own moments are stored, without the prior: the prior decides which lobe is which and adds no
+  // bias.
   for (int j = 0; j < MULTUM_LOBES; ++j) {
     const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                        (real_v)(fit.total_weight_inverse));
@@ -130,19 +131,20 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 }
 
 #if MULTUM_VECTOR_WIDTH == 1
-// EM of one texel by a team of MULTUM_TEAM work-items, for a device that has more of them than a step has texels: each
-// takes a sample's E-step, then each of the first 5 MULTUM_LOBES takes one sum of one lobe and adds the samples to it
-// in their order, then each of the first MULTUM_LOBES does a lobe's M-step. The bytes are those of movmf_em_texels.
+// Runs EM of one texel with a team of MULTUM_TEAM work-items, for devices with more work-items than a step has texels.
+// Each member does one sample's E-step. Then each of the first 5 MULTUM_LOBES members adds the samples, in order, to
+// one sum of one lobe. Then each of the first MULTUM_LOBES members does one lobe's M-step. The bytes are those of
+// movmf_em_texels.
 //
-//   samples   0 1 2 ... 63 | 64 65 ...          a block a team's turn
+//   samples   0 1 2 ... 63 | 64 65 ...          one block per turn of the team
 //   member    0 1 2 ... 63                      E-step: responsibilities and gaps of its sample, to local memory
 //   member    S0 X0 Y0 Z0 D0 S1 X1 ...          sums: member 5 j + k adds sum k of lobe j
 //
 // Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the sums' chain of
-// additions: four clocks a sample, where one work-item alone takes some hundred.
-#define TEAM_ROW (MULTUM_TEAM + 1)  // so that lobes lie in different banks
+// additions: four clocks per sample, compared with some hundred for a single work-item.
+#define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes in different banks
 
-// Where member 5 j + k finds what sum k of lobe j multiplies responsibilities with: 1, x, y, z and the gap u.
+// Returns the factors that sum k of lobe j multiplies responsibilities by, for member 5 j + k: 1, x, y, z or the gap u.
 static __local const float* factors_of_sum(__local const float* one, __local const float* directions,
                                            __local const float* gaps, int lobe, int sum) {
   return sum == 0 ? one : sum < 4 ? directions + (sum - 1) * TEAM_ROW : gaps + lobe * TEAM_ROW;
@@ -176,7 +178,7 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
 
   float mu_x[MULTUM_LOBES], mu_y[MULTUM_LOBES], mu_z[MULTUM_LOBES], sharpness[MULTUM_LOBES], log_weight[MULTUM_LOBES];
   float cap = fit.kappa_cap;
-  int last = fit.iteration_count - 1;  // the iteration that ends with its E-step
+  int last = fit.iteration_count - 1;  // the iteration that ends after its E-step
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int iteration = 0; iteration <= last; ++iteration) {
     _Pragma("unroll") for (int j = 0; j < MULTUM_LOBES; ++j) {
@@ -224,7 +226,7 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
     }
     if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, fit.total_weight_inverse, fit.kappa_cap, fit.kappa_cap_slope)
     if (iteration < last && member < MULTUM_LOBES) {
-      // A lobe of its own for each of the first members: read where it lies, since registers cannot be numbered.
+      // Each of the first members has one lobe. It is read from local memory, because registers cannot be indexed.
       __local float* own = lobe_state + member * 5;
       __local const float* added = sums + member * 5;
       const float old_x = own[0], old_y = own[1], old_z = own[2], old_sharpness = own[3], old_log = own[4];
@@ -248,7 +250,7 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
     if (iteration < last && fit.convergence_tolerance_squared > 0.0f) {
       float change = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) change = moved[j] < 0.0f ? change : MAX_V(change, moved[j]);
-      // Settled: the E-step once more, as movmf_em_texels has it.
+      // Converged: does the E-step once more, as movmf_em_texels does.
       if (!(change > fit.convergence_tolerance_squared)) last = iteration + 1;
     }
   }

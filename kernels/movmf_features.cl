@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per-lobe colours, weights of basis BRDFs and any other linear material features: a_j y_j = sum_i z_ij y_i / N, with
-// the responsibilities of the very E-step that gave the stored amplitudes, so that the sum over lobes is the texel's
-// mean exactly (Han et al. 2007, section 7.3). Three channels at a time: colours, or three of the weights.
+// Computes per-lobe colours, weights of basis BRDFs and other linear material features: a_j y_j = sum_i z_ij y_i / N.
+// The responsibilities are those of the E-step that gave the stored amplitudes, so the sum over lobes is exactly the
+// texel's mean (Han et al. 2007, section 7.3). Handles three channels at a time: a colour, or three of the weights.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -12,7 +12,7 @@
 #define MULTUM_LOBES 4
 #endif
 
-// Responsibilities z_ij of one normal or mean of normals; `lobes` is movmf_em_texels' start of one slot.
+// Computes the responsibilities z_ij of one normal or mean of normals; `lobes` is movmf_em_texels' start of one slot.
 static void responsibilities(float nx, float ny, float nz, __global const float* lobes, float* z) {
 #define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
   float largest = -1e30f, total = 0.0f;
@@ -35,10 +35,10 @@ static __global const float* lobes_of_slot(__global const float* start, int slot
 }
 
 // One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
-//   normal_x, normal_y, normal_z, value_x, value_y, value_z [rows * map_width]  as movmf_em_partial has them
-//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  as the EM kernels left it
+//   normal_x, normal_y, normal_z, value_x, value_y, value_z [rows * map_width]  as in movmf_em_partial
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  output of the EM kernels
 //   partial [slot][chunk][lobe][3]                            written
-// Compute bound: an exponential a lobe and sample.
+// Compute bound: one exponential per lobe and sample.
 __kernel void movmf_feature_partial(__global const float* normal_x, __global const float* normal_y,
                                     __global const float* normal_z, __global const float* value_x,
                                     __global const float* value_y, __global const float* value_z,
@@ -82,6 +82,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
     for (int c = 0; c < 3; ++c) out[j * 3 + c] = sum[j][c];
 }
 
+// Adds the chunks.
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][3]
 //   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
@@ -101,8 +102,8 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }
 
-// The same from binned texels. One work-item = one slot.
-//   samples, value_samples [group][sample][4][MULTUM_GROUP]  of normals and of features: the same cells in one order
+// Computes the features of binned texels. One work-item = one slot.
+//   samples, value_samples [group][sample][4][MULTUM_GROUP]  normals and features, with the same cells in one order
 //   sample_counts [group];  start and features as above
 __kernel void movmf_feature_binned(__global const float* samples, __global const float* value_samples,
                                    __global const int* sample_counts, __global const float* start,

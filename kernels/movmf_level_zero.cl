@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest level: one normal a texel, given whole to the parent's lobe that lies nearest: exact, and aligned with the
-// parent for trilinear filtering (Han et al. 2007, section 7.2; hard or soft was left to measurement: midway
-// between texels hard is better by a fifth, and the number of a lobe is all that there is to store). A normal that a
-// BRDF's width has shortened goes to the lobe whose mean vector is nearest, in direction and width.
+// Assigns the normals of the finest level, one per texel, to the parent's nearest lobe. Each normal is given whole to
+// one lobe, which is exact and aligned with the parent for trilinear filtering (Han et al. 2007, section 7.2). The
+// paper leaves hard or soft assignment open; measured midway between texels, hard assignment is better by a fifth, and
+// only the lobe's index must be stored. A normal that a BRDF's width has shortened goes to the lobe with the nearest
+// mean vector, in direction and width.
 
 #include "device/level_window.clh"
 #include "device/planar_sample.clh"
@@ -17,9 +18,9 @@
 
 // One work-item = one texel of some rows, first_row the first; global size row_count * map_width.
 //   normal_x, normal_y, normal_z [rows * map_width]  from row normals_row on
-//   parent  [lobe][fit.window_rows * fit.width]      the window of level 1; has_parent 0: none (a map of one texel, or
-//                                                    lobes that are not aligned), lobe 0 takes all
-//   nearest [row_count * map_width]                  written: the number of the lobe
+//   parent  [lobe][fit.window_rows * fit.width]      the window of level 1; if has_parent is 0 (a map of one texel, or
+//                                                    lobes that are not aligned), lobe 0 takes all normals
+//   nearest [row_count * map_width]                  written: the lobe's index
 // Memory bound.
 __kernel void movmf_level_zero(__global const float* normal_x, __global const float* normal_y,
                                __global const float* normal_z, __global const MultumVmfLobe* parent,
@@ -38,9 +39,10 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
     const int parent_x = min(x >> 1, fit.width - 1), parent_y = min(y >> 1, fit.height - 1);
     const int parent_row = row_in_window(parent_y, fit.first_row, fit.height);
     __global const MultumVmfLobe* from = parent + (size_t)parent_row * fit.width + parent_x;
-    // 1 - n . mu: the nearest direction, of wide lobes and narrow ones alike. A lobe of r = 0 has no direction and is
-    // as far from every normal as one at right angles. Of Gaussians the nearest mean, and with a width of its own the
-    // nearest Gaussian (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A dead lobe takes none.
+    // The distance is 1 - n . mu: the nearest direction, for wide and narrow lobes alike. A lobe with r = 0 has no
+    // direction; its distance to every normal is that of a right angle. For Gaussians, the nearest mean wins; if
+    // normals have a width, the nearest Gaussian wins (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A dead lobe takes
+    // no normals.
     float least = 1e30f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const MultumVmfLobe lobe = from[j * level_window_size(&fit)];

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs the samples of 16 texels side by side before a launch of EM, from the map or from binned normals. Neither knows
-// how many lobes there are. This file has only a scalar variant.
+// Packs the samples of 16 texels next to each other before a launch of EM, from the map or from binned normals. The
+// kernels do not depend on the number of lobes. This file has only a scalar variant.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
 
-// Finest texels that only lie partly in a texel get fractional weights (maps that are no powers of two).
+// 1 if finest texels that are only partly inside a texel get fractional weights (maps whose sides are not powers of
+// two).
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif
 
-// The normals of 16 texels side by side, so that EM streams them once an iteration.
+// Packs the normals of 16 texels next to each other, so that EM streams them once per iteration.
 // One work-item = one row of samples of one group; global size sample_rows * slot_count / MULTUM_GROUP.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
 //   sample_counts [group]
-// Samples that no finest texel stands for (narrower texels, unused slots) repeat one and weigh 0. Memory bound.
+// Samples without a finest texel (in narrower texels and unused slots) repeat one and weigh 0. Memory bound.
 __kernel void movmf_pack(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const int* texel_list, __global float* samples, __global int* sample_counts,
                          MultumMovmfFit fit) {
@@ -53,12 +54,12 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
   }
 }
 
-// The same of binned normals. One work-item = one of part_count parts of the samples of
-// one group of slots, every part_count-th; global size slot_count / MULTUM_GROUP * part_count.
+// Packs binned normals in the same way. One work-item = one of part_count parts of the samples of one group of slots,
+// every part_count-th sample; global size slot_count / MULTUM_GROUP * part_count.
 //   binned [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
 //   binned_counts [texel of the window]
 //   samples [group][sample][4][MULTUM_GROUP]   written
-//   sample_counts [group]                      written: that of the texel that has most; what others lack weighs 0
+//   sample_counts [group]                      written: the largest count of the texels; missing samples weigh 0
 // Memory bound.
 __kernel void movmf_binned_pack(__global const float* binned, __global const int* binned_counts,
                                 __global const int* texel_list, __global float* samples, __global int* sample_counts,

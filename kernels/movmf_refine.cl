@@ -1,32 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines the lobes that EM found towards what is seen: least squares on the texel's normals blurred by highlights.
+// Refines the lobes that EM found, so that highlights look right: fits them by least squares to the texel's normals
+// blurred by highlights.
 //
 //   minimise  sum_s w_s integral (sum_j a_j gamma_js(h) - 1/N sum_i f_s(h . n_i))^2 dh,   f_s = Blinn-Phong of s
 //
-// at the texel's centre, with the mean normal held by a weight, and, since a picture shows what lies between centres,
-// as much again of each of the four texels beside it: the two texels' lobes pooled as the hardware pools them must show
-// the mean of what both texels' lobes of EM show. A texel reads what EM left beside it and never what this kernel
-// writes: texels are independent of one another.
+// This is the energy at the texel's centre. A weighted term keeps the mean normal. A picture also shows places between
+// centres, so four more terms are added, one for each adjacent texel: both texels' lobes, pooled as the hardware pools
+// them, must show the mean of both texels' EM lobes. A texel reads EM's lobes of its neighbours and never the output of
+// this kernel, so texels are independent of one another.
 //
-// gamma_js is lobe j convolved with f_s. Inner products need no directions h: lobe times sample is the lobe convolved
-// with f_s twice, at the sample, and since mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md,
-// "Shading a filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. Ours;
-// neither paper fits to what is seen.
+// gamma_js is lobe j convolved with f_s. Inner products need no directions h. Lobe times sample is the lobe convolved
+// with f_s twice, at the sample. Since mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md,
+// "Shading a filtered lobe"), it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. This
+// refinement is ours; neither paper fits lobes to highlights.
 //
-// A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe; one that does not lower the
-// energy is taken back and a quarter of it tried. For the matrix alone 1/kappa stands in for the sum of the spreads,
-// which is what it is for sharp lobes: it steers, and biases nothing.
+// A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe. A step that does not lower
+// the energy is undone, and a quarter of it is tried. Only in the matrix, 1/kappa replaces the sum of the spreads,
+// which it equals for sharp lobes: this affects the steps but adds no bias.
 //
-// Squares count most where most normals are, and neglect what is dim. So the texel's highlights are compared at the
-// end: where EM's are clearly nearer, by their relative L1 error over some half vectors, EM's lobes stay.
+// Squares give most weight to directions with many normals and little to dim ones. So the texel's highlights are
+// compared at the end: if EM's lobes have a clearly lower relative L1 error over some half vectors, they are kept.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
-//   samples, sample_counts, texel_list   as movmf_em_texels.cl has them
-//   level     [lobe][window_rows * width]  what EM left: r and amplitude, of the texels and of those beside them
-//   refined   the same, written for the texels of the list
-// Sums run over samples, lobes and BRDFs in their order: the same bytes from both variants. Compute bound: about 55
-// operations a lobe and sample, 10 MULTUM_LOBES^2 pairs of lobes of some 300 each, and (4 MULTUM_LOBES)^3 / 6 for the
-// step.
+//   samples, sample_counts, texel_list   as in movmf_em_texels.cl
+//   level     [lobe][window_rows * width]  output of EM: r and amplitude, of the texels and of their neighbours
+//   refined   [lobe][window_rows * width]  written for the texels of the list
+// Sums run over samples, lobes and BRDFs in their order, so both variants write the same bytes. Compute bound: about 55
+// operations per lobe and sample, some 300 for each of 10 MULTUM_LOBES^2 pairs of lobes, and (4 MULTUM_LOBES)^3 / 6 for
+// the step.
 
 #include "device/level_window.clh"
 #include "device/vmf.clh"
@@ -42,7 +43,7 @@
 #endif
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 #define PARAMETERS (4 * MULTUM_LOBES)
-// The lower triangle of a symmetric matrix by rows.
+// Index into the lower triangle of a symmetric matrix, stored by rows.
 #define TRIANGLE(row, column) ((row) * ((row) + 1) / 2 + (column))
 
 __constant float brdf_weights[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_WEIGHTS;
@@ -50,16 +51,16 @@ __constant float brdf_exponents[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_EXPONENTS;
 __constant float look_xy[MULTUM_REFINE_LOOKS][2] = MULTUM_REFINE_LOOK_XY;
 __constant float brdf_spreads[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_SPREADS;
 
-// Unrolled, the loops over lobes and parameters would take a compiler half a minute.
+// Keeps loops over lobes and parameters rolled; unrolled, they would take a compiler half a minute.
 #define ROLLED _Pragma("nounroll")
 
 typedef struct RefinedLobe {
-  real_v amplitude, x, y, z, spread;  // direction of unit length; 1 - |r|
+  real_v amplitude, x, y, z, spread;  // direction of unit length; spread 1 - |r|
   real_v ex, ey, ez, fx, fy, fz;      // two unit tangents
   real_v widening;                    // derivative of the spread by the fourth parameter
 } RefinedLobe;
 
-// A vMF by its mean cosine A: peak exp(-kappa u), up to 1/(2 pi), and what its derivatives need.
+// A vMF of mean cosine A: peak exp(-kappa u), without the common 1/(2 pi), and the terms of its derivatives.
 typedef struct Blurred {
   real_v kappa, peak;
   real_v peak_slope;   // d log(peak) / d kappa
@@ -81,12 +82,12 @@ static inline real_v dot_v(real_v ax, real_v ay, real_v az, real_v bx, real_v by
   return fma(ax, bx, fma(ay, by, az * bz));
 }
 
-// 1 - a . b.
+// Returns 1 - a . b.
 static inline real_v gap_of(real_v ax, real_v ay, real_v az, real_v bx, real_v by, real_v bz) {
   return fma(-ax, bx, fma(-ay, by, fma(-az, bz, (real_v)(1.0f))));
 }
 
-// Tangents without a branch or a root (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+// Computes tangents without a branch or a root (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 static inline void set_tangents(RefinedLobe* lobe) {
   const real_v sign = lobe->z >= 0.0f ? (real_v)(1.0f) : (real_v)(-1.0f);
   const real_v p = -1.0f / (sign + lobe->z), b = lobe->x * lobe->y * p;
@@ -98,7 +99,7 @@ static inline void set_tangents(RefinedLobe* lobe) {
   lobe->fz = -lobe->y;
 }
 
-// r and an amplitude as a lobe; its parameters are those of a step.
+// Sets a lobe from r and an amplitude, with the derivatives for a step's parameters.
 static void set_lobe(RefinedLobe* lobe, real_v rx, real_v ry, real_v rz, real_v amplitude) {
   const real_v length = length_of(rx, ry, rz);
   const int_v directed = length > 1e-6f;
@@ -126,7 +127,7 @@ static void load_lobes(__global const MultumVmfLobe* level, const int* texels, s
   }
 }
 
-// The samples' part of the gradient of lobe j, and no more: four parameters. Returns their part of the energy.
+// Sets the four parameters of lobe j's gradient to the samples' part. Returns the samples' part of the energy.
 static real_v subtract_samples(const RefinedLobe* lobe, __global const float* samples, int sample_count,
                                float weight_inverse, real_v* gradient) {
   real_v exponent[MULTUM_REFINE_BRDFS], value[MULTUM_REFINE_BRDFS], turn[MULTUM_REFINE_BRDFS];
@@ -173,14 +174,14 @@ static real_v subtract_samples(const RefinedLobe* lobe, __global const float* sa
   return -2.0f * lobe->amplitude * sum;
 }
 
-// Two lobes, or one with itself: the products of their derivatives, [of one][of the other], and their part of the
-// gradient, of one alone. Returns their part of the energy.
+// Computes the products of the derivatives of two lobes, or of one lobe with itself, as [of one][of the other]. Adds
+// their part of the gradient. Returns their part of the energy.
 static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bool same, real_v* block,
                             real_v* gradient, real_v* gradient_other) {
   const real_v gap =
       same ? (real_v)(0.0f) : MAX_V(gap_of(one->x, one->y, one->z, other->x, other->y, other->z), (real_v)(0.0f));
   const real_v spread = fma(-one->spread, other->spread, one->spread + other->spread);
-  // Sums over the BRDFs of w V and its derivatives in t = 1 - u, in the spread v = 1/kappa, and in A.
+  // Sums over the BRDFs of w V and of its derivatives in t = 1 - u, in the spread v = 1/kappa, and in A.
   real_v value = (real_v)(0.0f), by_t = value, by_tt = value, by_v = value, by_vv = value, by_tv = value, by_a = value;
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
     const float c2 = 1.0f - brdf_spreads[s];
@@ -235,7 +236,7 @@ static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bo
   return (same ? 1.0f : 2.0f) * both * value;
 }
 
-// The lobes' own part of the energy; their matrix is set.
+// Sets the matrix and adds the gradient of all pairs of lobes. Returns their part of the energy.
 static real_v add_pairs(const RefinedLobe* lobes, real_v* matrix, real_v* gradient) {
   real_v energy = (real_v)(0.0f);
   ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) ROLLED for (int k = 0; k <= j; ++k) {
@@ -248,8 +249,8 @@ static real_v add_pairs(const RefinedLobe* lobes, real_v* matrix, real_v* gradie
   return energy;
 }
 
-// Lobes that are to be shown, each with `share` of its amplitude: their part of a lobe's gradient. Returns their part
-// of the energy.
+// Adds the gradient for the target lobes `shown`, each with `share` of its amplitude, to one lobe's gradient. Returns
+// their part of the energy.
 static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, float share, real_v* gradient) {
   real_v energy = (real_v)(0.0f);
   ROLLED for (int k = 0; k < MULTUM_LOBES; ++k) {
@@ -275,8 +276,8 @@ static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, 
   return energy;
 }
 
-// Half of one lobe and half of another, pooled as filtering pools them, and [row][column] the derivatives of its
-// parameters by those of the first. Its fourth parameter is its spread itself, which may be 0.
+// Pools half of one lobe and half of another as filtering does. by_one[row][column] is the derivative of the pooled
+// lobe's parameters by those of the first lobe. The pooled lobe's fourth parameter is its spread, which may be 0.
 static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* lobe, real_v* by_one) {
   const real_v amplitude = 0.5f * (one->amplitude + other->amplitude), inverse = 1.0f / amplitude;
   const real_v length_one = 1.0f - one->spread;
@@ -286,7 +287,7 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
            fma(share_one, one->z, share_other * other->z), amplitude);
   lobe->widening = (real_v)(1.0f);
   const real_v length = 1.0f - lobe->spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
-  // Half of the derivatives of a r over the pooled amplitude, less what a larger amplitude does to r.
+  // Half of the derivatives of a r divided by the pooled amplitude, minus the effect of a larger amplitude on r.
   const real_v turned = 0.5f * one->amplitude * inverse * length_one;
   const real_v shortened = -0.5f * one->amplitude * inverse * one->widening, grown = 0.5f * inverse;
   const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe->x),
@@ -310,7 +311,7 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
   }
 }
 
-// Adds what the lobes show midway to a texel beside, of which `start` and `beside` are EM's. Returns the energy.
+// Adds the terms midway to an adjacent texel; `start` and `beside` are the two texels' EM lobes. Returns the energy.
 static real_v add_midway(const RefinedLobe* lobes, const RefinedLobe* start, const RefinedLobe* beside, real_v weight,
                          real_v* matrix, real_v* gradient) {
   RefinedLobe mixed[MULTUM_LOBES];
@@ -348,7 +349,8 @@ static real_v add_midway(const RefinedLobe* lobes, const RefinedLobe* start, con
   return weight * energy;
 }
 
-// What holds the sum of amplitudes and the mean normal: derivatives of (a r, a) of a lobe, [parameter][4].
+// Computes the derivatives of (a r, a) of a lobe, [parameter][4], for the term that keeps the mean normal and the sum
+// of amplitudes.
 static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   const real_v length = 1.0f - lobe->spread, turned = lobe->amplitude * length;
   const real_v shortened = -lobe->amplitude * lobe->widening, none = (real_v)(0.0f);
@@ -359,8 +361,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Raises the diagonal first: the moments are no part of it, or they would hold lobes where they are. Returns the
-// energy.
+// Adds the term for the moments, after raising the diagonal: moments in the damping would keep lobes from moving.
+// Returns the energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];
@@ -385,8 +387,8 @@ static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* 
   return MULTUM_REFINE_MOMENT_WEIGHT * squares;
 }
 
-// Solves matrix * step = -gradient by Cholesky; the step is in `gradient` afterwards. The raised diagonal keeps pivots
-// well above rounding, so that single precision serves.
+// Solves matrix * step = -gradient by Cholesky and writes the step to `gradient`. The raised diagonal keeps pivots well
+// above rounding errors, so single precision is enough.
 static void solve(real_v* matrix, real_v* gradient) {
   real_v inverse[PARAMETERS];
   ROLLED for (int j = 0; j < PARAMETERS; ++j) {
@@ -422,7 +424,7 @@ static void take_step(RefinedLobe* lobes, const real_v* step) {
     const real_v x = fma(scale, fma(e, lobe->ex, f * lobe->fx), lobe->x);
     const real_v y = fma(scale, fma(e, lobe->ey, f * lobe->fy), lobe->y);
     const real_v z = fma(scale, fma(e, lobe->ez, f * lobe->fz), lobe->z);
-    const real_v inverse = 1.0f / length_of(x, y, z);  // at least 1: the turn is tangential
+    const real_v inverse = 1.0f / length_of(x, y, z);  // length at least 1: the turn is tangential
     lobe->x = x * inverse;
     lobe->y = y * inverse;
     lobe->z = z * inverse;
@@ -465,7 +467,7 @@ static void store_lobes(const RefinedLobe* lobes, __global MultumVmfLobe* refine
   }
 }
 
-// Brightness of a highlight of each exponent, up to 1/(2 pi): Blinn-Phong itself over the samples.
+// Computes the brightness of a Blinn-Phong highlight of each exponent over the samples, without the common 1/(2 pi).
 static void see_samples(__global const float* samples, int sample_count, float weight_inverse, const float* h,
                         real_v* seen) {
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) seen[s] = (real_v)(0.0f);
@@ -475,7 +477,7 @@ static void see_samples(__global const float* samples, int sample_count, float w
                   fma(LOAD_V(samples + MULTUM_GROUP), (real_v)(h[1]), LOAD_V(samples + 2 * MULTUM_GROUP) * h[2])),
               (real_v)(0.0f));
     const real_v t2 = t * t, t4 = t2 * t2, t8 = t4 * t4;
-    real_v power = t8 * t8 * t4;  // 20, and 5 times that each
+    real_v power = t8 * t8 * t4;  // exponent 20; each next one is 5 times as large
 #if MULTUM_WEIGHTED
     const real_v weight = LOAD_V(samples + 3 * MULTUM_GROUP) * weight_inverse;
 #else
@@ -490,7 +492,7 @@ static void see_samples(__global const float* samples, int sample_count, float w
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) seen[s] *= brdf_exponents[s] + 1.0f;
 }
 
-// The same as the lobes show it.
+// Computes the same brightness from the lobes.
 static void see_lobes(const RefinedLobe* lobes, const float* h, real_v* seen) {
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
     seen[s] = (real_v)(0.0f);
@@ -505,8 +507,8 @@ static void see_lobes(const RefinedLobe* lobes, const float* h, real_v* seen) {
   }
 }
 
-// Are the highlights of `best` no farther off than `slack` times those of `start`? By the sum of their relative L1
-// errors.
+// Returns whether the error of `best` is at most `slack` times the error of `start`, by the sum of the relative L1
+// errors of their highlights.
 static int_v looks_as_good(const RefinedLobe* best, const RefinedLobe* start, float slack,
                            __global const float* samples, int sample_count, float weight_inverse) {
   real_v whole[MULTUM_REFINE_BRDFS], gain[MULTUM_REFINE_BRDFS], total = (real_v)(0.0f);
@@ -526,7 +528,7 @@ static int_v looks_as_good(const RefinedLobe* best, const RefinedLobe* start, fl
   return total > 0.0f;
 }
 
-// The texel beside each: on the left, on the right, above, below; none is there where `weight` is 0.
+// Finds the adjacent texel of each lane on one side: left, right, above, below. `weight` is 0 if there is none.
 static void find_beside(__global const int* texels, const MultumMovmfFit* fit, int side, int* beside, float* weight) {
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     const int texel = max(texels[lane], 0), dx = side == 0 ? -1 : side == 1, dy = side == 2 ? -1 : side == 3;
@@ -539,7 +541,7 @@ static void find_beside(__global const int* texels, const MultumMovmfFit* fit, i
   }
 }
 
-// Takes over the lobes of those lanes that are better.
+// Copies the lobes of the lanes in `better` to `best`.
 static void keep_better(const RefinedLobe* lobes, int_v better, RefinedLobe* best) {
   ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
     best[j].amplitude = better ? lobes[j].amplitude : best[j].amplitude;

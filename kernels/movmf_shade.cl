@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of what it wrote: of a highlight
-// the convolution alone, or with the cosine n . l of its light.
+// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of its output. Highlights are
+// only convolved, or also multiplied by the cosine n . l of their light.
 
 #include "device/numerics.clh"
 #include "shared/highlight.h"
@@ -26,7 +26,7 @@
 
 #if MULTUM_PLANAR
 #define FACET_KAPPA(exponent) 0.0f
-// The cosine of a highlight over a lobe, as the runtime has it: Gaussians take that of their mean.
+// Returns the cosine of a highlight over a lobe, as the runtime does: Gaussians use the cosine of their mean.
 static inline float lit_cosine(float4 lobe, float3 h, float4 light, float facet_kappa) {
   return gmm_lambert(lobe, light.xyz) / max(lobe.w, GMM_AMPLITUDE_MIN);
 }
@@ -42,12 +42,11 @@ static inline float lit_cosine(float4 lobe, float3 h, float4 light, float facet_
 #endif
 
 // One work-item = one sample point; global size sample_count.
-//   lobes      [sample][lobe]                 (a r_x, a r_y, a r_z, a), already filtered; of MULTUM_PLANAR as
-//                                             gmm_shading.clh has them
-//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine, of
-//                                             MULTUM_PLANAR unused; w of half vectors: 1 + the number of the light
-//                                             whose cosine its highlights are multiplied by, 0: none
-//   highlights [highlight_count]              of MULTUM_PLANAR the exponent and the total alone count
+//   lobes      [sample][lobe]   (a r_x, a r_y, a r_z, a), already filtered; with MULTUM_PLANAR as in gmm_shading.clh
+//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light that multiplies its highlights by a
+//                               cosine, or 0 for none
+//   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness(), unused with MULTUM_PLANAR
+//   highlights [highlight_count]              with MULTUM_PLANAR only the exponent and the total are used
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
 // Compute bound.
 __kernel void movmf_shade(__global const float4* lobes, __global const float4* half_vectors,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts the lobes of each texel before a launch of EM, and sums what its neighbours say. Alignment after Han et al.
-// 2007, section 7.2, in the order of docs/contributing/ALGORITHMS.md, "Order".
+// Initialises the lobes of each texel before a launch of EM, and sums the alignment vectors of its neighbours.
+// Alignment after Han et al. 2007, section 7.2, in the order of docs/contributing/ALGORITHMS.md, "Order".
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"
@@ -12,7 +12,7 @@
 #define MULTUM_LOBES 4
 #endif
 
-// What done neighbours and the parent say, summed: a_k mu_k.
+// Sums a_k mu_k over the done neighbours and the parent.
 static LobeLanes alignment_sum(__global const float* alignment_vectors, const Places* places, LobeLanes parent) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH];
   const LobeLanes told = told_to_neighbours(parent);
@@ -37,10 +37,10 @@ static LobeLanes alignment_sum(__global const float* alignment_vectors, const Pl
 // movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
 //   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
-//   alignment_vectors [lobe][window_rows * width][4]              what done neighbours say
+//   alignment_vectors [lobe][window_rows * width][4]    a_k mu_k of done neighbours
 //   texel_list [slot]                                   window row * width + x, or -1
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
-// Bound by ten scattered reads a lobe.
+// Bound by ten scattered reads per lobe.
 __kernel void movmf_start(__global const MultumVmfLobe* parent, __global const MultumVmfLobe* level,
                           __global const float* alignment_vectors, __global const int* texel_list,
                           __global float* start, MultumMovmfFit fit) {

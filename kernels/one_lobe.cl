@@ -1,35 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to all that a texel covers: its facets' slopes, over every covered normal with the base's own
-// facets around it, by maximum likelihood.
+// Fits one GGX lobe to everything that a texel covers, by maximum likelihood. The data are the slopes of facets: over
+// every covered normal, the base's own facets around it.
 //
 // Slopes of GGX's facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter et
-// al. 2007, eq. 33, over the projected facet): a bivariate Student t distribution of two degrees of freedom and scale
-// matrix S = alpha^2 / 2. So its maximum likelihood is found as that of every t distribution (Lange, Little and Taylor
-// 1989, section 3; here nu = 2 and d = 2):
+// al. 2007, eq. 33, over the projected facet). This is a bivariate Student t distribution with two degrees of freedom
+// and scale matrix S = alpha^2 / 2. Its maximum likelihood is found as for every t distribution (Lange, Little and
+// Taylor 1989, section 3; here nu = 2 and d = 2):
 //
 //     w = 4 / (2 + (x - m)' S^-1 (x - m))      m = sum(w x) / sum(w)      S = sum(w (x - m) (x - m)') / sum(w)
 //
-// Division by the weights' sum instead of their number, which it is equal to in the end, takes half as many steps
-// (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet far out counts little, where a
-// covariance, which GGX has none of, lets it decide. The fit begins with the closed form: m = 0 in the frame of the
-// mean normal, alpha_i^2 = alpha_0^2 + 1.75 lambda_i, lambda of E[n n'] in its tangent plane; 1.75 and not the 2 of a
-// Gaussian, which has the least error on real maps.
+// Dividing by the sum of the weights instead of their number halves the number of steps; the two are equal at
+// convergence (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A distant facet has little
+// weight; in a covariance, which GGX does not have, it would dominate. The fit begins with the closed form: m = 0 in
+// the frame of the mean normal, alpha_i^2 = alpha_0^2 + 1.75 lambda_i, lambda of E[n n'] in its tangent plane. A
+// Gaussian would have the factor 2; 1.75 has the least error on real maps.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"
 #include "shared/one_lobe.h"
 
 #define SPREAD_FACTOR 1.75f
-// The least cosine between a facet and the mean normal: slopes end at 20. Where weights are alike they may be any that
-// are far out.
+// The least cosine between a facet and the mean normal: limits slopes to 20. The limit has little effect, because w x
+// x' hardly depends on the size of a distant slope x.
 #define FACET_COSINE_MIN 0.05f
-#define SCALE_MIN 1e-8f  // of S: sqrt(2 S) is 1.4e-4
+#define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
-// A frame about the unit normal n whose x axis is the map's, turned into the tangent plane: what renderers make by
-// Gram and Schmidt of a tangent.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+// A frame about the unit normal n. Its x axis is the map's x axis, turned into the tangent plane, as renderers do with
+// a
+// tangent by Gram-Schmidt.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
 typedef struct LobeFrame {
   real_v xx, xy, xz;  // the x axis
-  real_v yy, yz;      // the y axis; its x is 0
+  real_v yy, yz;      // the y axis; its x component is 0
 } LobeFrame;
 
 static inline LobeFrame frame_about(real_v x, real_v y, real_v z) {
@@ -44,7 +45,7 @@ static inline LobeFrame frame_about(real_v x, real_v y, real_v z) {
   return frame;
 }
 
-// Unit vectors. What is no direction, or none that is finite, counts as flat.
+// Normalizes vectors. A vector without a finite direction becomes straight up.
 static inline void make_usable(real_v* x, real_v* y, real_v* z) {
   const real_v square = fma(*x, *x, fma(*y, *y, *z * *z));
   const int_v is_usable = (square > 1e-12f) & (square < 1e12f);
@@ -78,7 +79,7 @@ __kernel void one_lobe_finest(__global const float* normal_x, __global const flo
 }
 #endif
 
-// The mean normals of texels as unit vectors; of none, straight up.
+// Loads the mean normals of texels as unit vectors; a mean of length 0 becomes straight up.
 static inline void mean_normals(__global const float* averages, int stride, real_v* x, real_v* y, real_v* z) {
   *x = LOAD_V(averages);
   *y = LOAD_V(averages + stride);
@@ -91,27 +92,27 @@ static inline void mean_normals(__global const float* averages, int stride, real
   *z = usable ? *z * inverse : (real_v)(1.0f);
 }
 
-// Where the slopes of texels begin, the first a multiple of MULTUM_VECTOR_WIDTH.
+// Returns the index of the first slope of texels; `texel` is a multiple of MULTUM_VECTOR_WIDTH.
 static inline size_t slopes_of(int texel, MultumOneLobePiece piece) {
   const size_t block_size = (size_t)(2 * piece.grid * piece.grid) * MULTUM_ONE_LOBE_BLOCK;
   return texel / MULTUM_ONE_LOBE_BLOCK * block_size + texel % MULTUM_ONE_LOBE_BLOCK;
 }
 
-// A sample's finest texel in each lane, as it lies in memory.
+// The finest texel of one sample per lane, unchanged from memory.
 typedef struct SampledTexels {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
 } SampledTexels;
 
-// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, a lane each; global size
-// grid * stride / MULTUM_VECTOR_WIDTH. Lanes behind the last texel do it once more.
+// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane; global size grid * stride /
+// MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat it.
 //   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
-//   base       [slot][map_width]         alpha^2 there, where piece.has_base_map
+//   base       [slot][map_width]         alpha^2 of the same texels, if piece.has_base_map
 //   row_slots  [row_count][grid]         the slot of each row of samples
 //   columns    [width][grid]             the column of each column of samples
 //   facets     [grid * grid]             slopes of facets of alpha 1
-//   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes, of which the normals are used
+//   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes; only the normals are used
 //   slopes     [texel / block][sample][2][block]   written: of each half vector in the frame of the texel's mean normal
-// Bound by gathered reads, roots and divisions: samples that lie in one finest texel share its frame.
+// Bound by gathered reads, roots and divisions; samples in the same finest texel share its frame.
 __kernel void one_lobe_samples(__global const float* normal_x, __global const float* normal_y,
                                __global const float* normal_z, __global const float* base,
                                __global const int* row_slots, __global const int* columns,
@@ -167,17 +168,17 @@ __kernel void one_lobe_samples(__global const float* normal_x, __global const fl
   }
 }
 
-// S: symmetric, positive.
+// The scale matrix S: symmetric and positive.
 typedef struct LobeScale {
   real_v xx, xy, yy;
 } LobeScale;
 
-// alpha_i^2 = alpha_0^2 + 1.75 lambda_i, as S.
+// Returns S of alpha_i^2 = alpha_0^2 + 1.75 lambda_i.
 static inline LobeScale closed_form(__global const float* averages, int stride, LobeFrame f) {
   const real_v xx = LOAD_V(averages + MULTUM_ONE_LOBE_XX * stride), yy = LOAD_V(averages + MULTUM_ONE_LOBE_YY * stride);
   const real_v xy = LOAD_V(averages + MULTUM_ONE_LOBE_XY * stride), xz = LOAD_V(averages + MULTUM_ONE_LOBE_XZ * stride);
   const real_v yz = LOAD_V(averages + MULTUM_ONE_LOBE_YZ * stride), zz = MAX_V(1.0f - xx - yy, (real_v)(0.0f));
-  // E[n n'] times the frame's axes, and these with the axes again.
+  // E[n n'] times the frame's axes, and the products of the results with the axes.
   const real_v ax = fma(xx, f.xx, fma(xy, f.xy, xz * f.xz)), ay = fma(xy, f.xx, fma(yy, f.xy, yz * f.xz));
   const real_v az = fma(xz, f.xx, fma(yz, f.xy, zz * f.xz));
   const real_v by = fma(yy, f.yy, yz * f.yz), bz = fma(yz, f.yy, zz * f.yz);
@@ -189,8 +190,8 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   return s;
 }
 
-// As it may be inverted: its diagonal bounded below, its correlation below 1. One mean of all directions where it is to
-// be isotropic.
+// Makes S invertible: bounds its diagonal below, and its correlation below 1. An isotropic S gets the mean over all
+// directions.
 static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
   s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));
   s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));
@@ -199,13 +200,13 @@ static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
     s.xy = (real_v)(0.0f);
     return s;
   }
-  // Up to a ratio of some 500 between the variances, 22 between the alphas.
+  // Allows a ratio of up to some 500 between the variances, 22 between the alphas.
   const real_v most = 0.996f * sqrt(s.xx * s.yy);
   s.xy = MIN_V(MAX_V(s.xy, -most), most);
   return s;
 }
 
-// One step of EM over the texels' samples.
+// Does one step of EM over the texels' samples.
 static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece piece, LobeScale s, real_v* mx,
                                 real_v* my) {
   const real_v inverse = 1.0f / fma(s.xx, s.yy, -s.xy * s.xy);
@@ -224,7 +225,7 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
     sum_xy = fma(wx, y, sum_xy);
     sum_yy = fma(wy, y, sum_yy);
   }
-  // About the new mean, from sums about the old one.
+  // Moments about the new mean, from sums about the old one.
   const real_v share = 1.0f / sum, dx = sum_x * share, dy = sum_y * share;
   s.xx = fma(-sum_x, dx, sum_xx) * share;
   s.xy = fma(-sum_x, dy, sum_xy) * share;
@@ -234,11 +235,11 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
   return bounded(s, piece.is_anisotropic);
 }
 
-// One work-item = MULTUM_VECTOR_WIDTH texels, a lane each; global size stride / MULTUM_VECTOR_WIDTH.
+// One work-item = MULTUM_VECTOR_WIDTH texels, one per lane; global size stride / MULTUM_VECTOR_WIDTH.
 //   averages [plane][stride]       MULTUM_ONE_LOBE_AVERAGES planes
-//   slopes   [texel / block][sample][2][block]   of one_lobe_samples; not read without samples
+//   slopes   [texel / block][sample][2][block]   from one_lobe_samples; not read if there are no samples
 //   fitted   [plane][stride]       written: MULTUM_ONE_LOBE_FITTED planes
-// Compute bound: iteration_count * grid^2 weights a texel.
+// Compute bound: iteration_count * grid^2 weights per texel.
 __kernel void one_lobe_fit(__global const float* averages, __global const float* slopes, __global float* fitted,
                            MultumOneLobePiece piece) {
   const int first = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH, stride = piece.stride;
@@ -254,7 +255,7 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   const int steps = piece.grid > 0 ? piece.iteration_count : 0;
   for (int i = 0; i < steps; ++i) s = em_step(slopes, piece, s, &mx, &my);
 
-  // The normal, moved.
+  // The mean normal, moved by the fitted mean slope.
   real_v x = fma(mx, frame.xx, nx), y = fma(mx, frame.xy, fma(my, frame.yy, ny));
   real_v z = fma(mx, frame.xz, fma(my, frame.yz, nz));
   const real_v inverse = 1.0f / length_of(x, y, z);
@@ -265,8 +266,8 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   STORE_V(y, fitted + stride);
   STORE_V(z, fitted + 2 * stride);
 
-  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius, and the axis of the larger one is at half
-  // the angle of (half, xy), from whichever of two formulas subtracts nothing.
+  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius. The axis of the larger one is at half the
+  // angle of (half, xy); of the two formulas for it, uses the one that subtracts nothing.
   const real_v middle = 0.5f * (s.xx + s.yy), half_difference = 0.5f * (s.xx - s.yy);
   const real_v radius = sqrt(fma(half_difference, half_difference, s.xy * s.xy));
   const int_v along_x = half_difference >= 0.0f;
@@ -281,7 +282,7 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
           fitted + MULTUM_ONE_LOBE_ALPHA_WIDE * stride);
   STORE_V(MIN_V(MAX_V(sqrt(2.0f * MAX_V(middle - radius, (real_v)(0.0f))), least), (real_v)(1.0f)),
           fitted + MULTUM_ONE_LOBE_ALPHA_NARROW * stride);
-  // The axis as a direction, in the frame of the normal that was moved.
+  // The axis as a direction, in the frame of the moved normal.
   const LobeFrame moved = frame_about(x, y, z);
   const real_v dx = ax * frame.xx, dy = fma(ax, frame.xy, ay * frame.yy), dz = fma(ax, frame.xz, ay * frame.yz);
   const real_v tx = fma(dx, moved.xx, fma(dy, moved.xy, dz * moved.xz)), ty = fma(dy, moved.yy, dz * moved.yz);

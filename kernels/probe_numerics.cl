@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Probes the arithmetic of this device and driver: for the tests, and for anyone who doubts a driver.
+// Probes the arithmetic of a device and driver, for the tests and for users who suspect a driver.
 
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"
@@ -15,8 +15,8 @@
 
 #define PROBE_EXP2 0
 #define PROBE_LOG2 1
-#define PROBE_KAPPA 2          // of a mean length given as spread
-#define PROBE_ISNAN 3          // 1 where isnan() sees a NaN: relaxed mathematics would answer 0
+#define PROBE_KAPPA 2          // kappa of a mean length, given as spread
+#define PROBE_ISNAN 3          // 1 if isnan() detects a NaN: relaxed mathematics would answer 0
 #define PROBE_LOG_PEAK 4       // of amplitude 1, at kappa
 #define PROBE_ONE_MINUS_LOG 5  // log2(1 - e)
 #define PROBE_SHADING_KAPPA 6  // of q = 1 - A
@@ -57,7 +57,7 @@ __kernel void probe_highlight_cosine(__global const float4* lobes, __global cons
   values[i] = highlight_cosine(lobes[i], half_vectors[i].xyz, lights[i].xyz, half_vectors[i].w);
 }
 
-// One work-item in all. sizes: the device's idea of the structs that it shares with the host.
+// Writes the device's sizes of the structs that it shares with the host. One work-item in total.
 __kernel void probe_layout(__global int* sizes, int count) {
   if (get_global_id(0) != 0) return;
   MultumMovmfFit fit;

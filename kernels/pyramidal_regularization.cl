@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pyramidal regularisation (Hakura et al. 2000, section 3.2, eq. 6): Gamma(x) = sum of (x - B x')^2 over the texels of
-// all levels but the coarsest, x' = the next coarser level, B = bilinear interpolation. Half its gradient is
-// R^T R x with R x = x - B x'. Every texel is defined then, and holes fill smoothly.
+// all levels except the coarsest, x' = the next coarser level, B = bilinear interpolation. Half its gradient is R^T R x
+// with R x = x - B x'. It defines every texel, and holes fill smoothly.
 
 #include "shared/mip_pyramid.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest level of a reflectance map (Williams 1983, section 4): light that a surface sends to a distant viewer, by
-// its normal, under distant lights. kernels/mip_box.cl makes the pyramid of it.
+// Computes the finest level of a reflectance map (Williams 1983, section 4): the light that a surface sends to a
+// distant viewer, by its normal, under distant lights. kernels/mip_box.cl builds the pyramid from it.
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //
-// as runtime_gl/shaders/scene.frag has it. Williams draws lights by hand into a map of 9; here Blinn-Phong does. A
-// texel is the mean over sample_side^2 normals, evenly spread over it in the map's equal-area projection
-// (host/formats/asset/pyramid/reflectance_mapping.h), so that a highlight narrower than a texel keeps its energy.
+// runtime_gl/shaders/scene.frag has the same formula. Williams draws lights by hand into a map of 9; here Blinn-Phong
+// computes them. A texel is the mean over sample_side^2 normals, evenly spread over it in the map's equal-area
+// projection (host/formats/asset/pyramid/reflectance_mapping.h), so a highlight narrower than a texel keeps its energy.
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_box.h"
@@ -17,9 +17,9 @@
 #endif
 
 #define INVERSE_PI 0.318309886f
-#define MAP_SIDE 2.82842712f  // of the square, in the projection's units
+#define MAP_SIDE 2.82842712f  // side of the square, in the projection's units
 
-// The unit normal at p of Lambert's azimuthal equal-area projection about +z; held to the antipode beyond the corners.
+// Returns the unit normal at p of Lambert's azimuthal equal-area projection about +z; beyond the corners, the antipode.
 static float3 normal_at(float px, float py) {
   const float square = min(fma(px, px, py * py), 4.0f);
   const float flat = sqrt(fma(-0.25f, square, 1.0f));
@@ -29,7 +29,7 @@ static float3 normal_at(float px, float py) {
 // One work-item = one texel of a band of rows; global size row_count * map_width.
 //   lights [light_count]
 //   nodes  [plane][row][row_length]   written: red, green, blue of the texels
-// Bound by arithmetic: light_count * sample_side^2 evaluations a texel.
+// Bound by arithmetic: light_count * sample_side^2 evaluations per texel.
 __kernel void reflectance_texels(__global const MultumReflectanceLight* lights, __global float* nodes,
                                  MultumReflectanceMap map, MultumBoxBand band) {
   const int item = (int)get_global_id(0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of what it wrote
-// (Han et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0; of a highlight the convolution alone, or with
-// the cosine n . l of its light.
+// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of its output (Han
+// et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0. Highlights are only convolved, or also multiplied by
+// the cosine n . l of their light.
 
 #include "device/spherical_harmonics.clh"
 #include "device/vmf_lit.clh"
@@ -12,7 +12,7 @@
 #error "sh_shade has only a scalar variant"
 #endif
 
-// A truncated series rings below 0, where light cannot be.
+// Returns the weighted sum, clamped: a truncated series rings below 0, but light is never negative.
 static float weighted_bands(const float* bands, __global const float* zonal) {
   float sum = 0.0f;
   for (int l = 0; l <= MULTUM_SH_ORDER; ++l) sum = fma(zonal[l], bands[l], sum);
@@ -29,8 +29,8 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h,
 
 #define SH_LINEAR_CONSTANT 0.488602512f  // of Y_1m
 
-// Of half vector h the cosine that its highlight is multiplied by: that of the mean normal, shorter than 1; 1 where
-// none is asked for. Coefficients are (1, -1), (1, 0), (1, 1): y, z, x.
+// Returns the cosine that the highlight of half vector h is multiplied by: that of the mean normal, which is shorter
+// than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.
 static float cosine_of_half(__global const float* g, float share, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;
   const float4 light = lights[(int)h.w - 1];
@@ -43,12 +43,12 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
 //   points     [sample]
 //   steps      the recurrence's constants
 //   zonal      [highlight_count + 1][order + 1]   of each highlight, then of Lambert
-//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine; w
-//   of
-//                                 half vectors: 1 + the number of the light whose cosine is in its highlights, 0: none
+//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light that multiplies its highlights by a
+//                               cosine, or 0 for none
+//   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness()
 //   highlights [highlight_count]
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
-// Levels that are left to the normal map are shaded as lobes are. Compute bound.
+// Levels that come from the normal map are shaded as lobes are. Compute bound.
 __kernel void sh_shade(__global const float* coefficients, __global const MultumFilteredSh* points,
                        __global const float2* steps, __global const float* zonal, __global const float4* half_vectors,
                        __global const float4* lights, __global const MultumHighlight* highlights,

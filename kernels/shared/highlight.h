@@ -5,10 +5,10 @@
 
 #define MULTUM_HIGHLIGHT_TERMS 4
 
-// f of n . h: Blinn-Phong, or a sum of term_count vMFs, weight times density, of spread 1 - A(kappa).
+// f of n . h: Blinn-Phong, or a sum of term_count vMFs, each a weight times a density of spread 1 - A(kappa).
 typedef struct MultumHighlight {
-  float exponent;  // s of the Blinn-Phong that f is, or that is as wide
-  float total;     // the integral of f over the sphere; of Blinn-Phong 1
+  float exponent;  // s of f if it is Blinn-Phong, otherwise of an equally wide Blinn-Phong
+  float total;     // the integral of f over the sphere; 1 for Blinn-Phong
   int term_count;  // 1..4; 0: Blinn-Phong
   int unused;
   float weights[MULTUM_HIGHLIGHT_TERMS], spreads[MULTUM_HIGHLIGHT_TERMS];

@@ -3,31 +3,31 @@
 #ifndef MULTUM_KERNELS_SHARED_MIP_BOX_H
 #define MULTUM_KERNELS_SHARED_MIP_BOX_H
 
-// A band of rows of the map. A row of a plane is `row_length` nodes: its texels, then the sums of 2, of 4, ... of them.
+// A band of rows of the map. A row of a plane has `row_length` nodes: its texels, then sums of 2, of 4, ... of them.
 typedef struct MultumBoxBand {
   int map_width;
   int map_height;
-  int first_row;  // of the map
+  int first_row;  // first row of the band in the map
   int row_count;
-  int row_length;  // from one row's nodes to the next
+  int row_length;  // distance from one row's nodes to the next
   int plane_count;
-  int level_count;   // levels that are averaged
-  int column_count;  // of them all
+  int level_count;   // number of averaged levels
+  int column_count;  // columns of all these levels together
 } MultumBoxBand;
 
-// A level that is averaged, and where the rows of it go that a band finishes: [plane][row][column].
+// An averaged level, and the place of the rows that a band finishes: [plane][row][column].
 typedef struct MultumBoxLevel {
   int width;
   int height;
-  int first_column;  // among the columns of all levels
-  int first_row;     // the row that is being summed when the band begins
+  int first_column;  // index among the columns of all levels
+  int first_row;     // the unfinished row when the band begins
   int row_count;     // rows that the band finishes
-  int first_value;   // of them, among the values of all levels
-  float share;       // of a finest texel in an average: its weight
+  int first_value;   // index of their first value among the values of all levels
+  float share;       // weight of a finest texel in an average
   int unused;
 } MultumBoxLevel;
 
-// What a column of a level covers of a row: some nodes.
+// One of the nodes of a row that a level's column covers.
 typedef struct MultumBoxTap {
   int node;
   float weight;

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mip pyramid's texels in one list, as host/formats/asset/mip_layout.h has them, with tables of the bilinear
-// interpolation between neighbouring levels and of its transpose (host/fields/inference/solver/pyramid_tables.h makes
-// them). Valid OpenCL C and C++.
+// A mip pyramid's texels in one list, in the order of host/formats/asset/mip_layout.h, with tables of the bilinear
+// interpolation between neighbouring levels and of its transpose (host/fields/inference/solver/pyramid_tables.h
+// computes them). Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 #define MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 
 typedef struct MultumMipLevel {
-  int offset;  // of its first texel
+  int offset;  // index of its first texel
   int width;
   int height;
-  int taps_x;     // first tap of its columns in the next coarser level; of the coarsest level meaningless
-  int taps_y;     // of its rows
-  int gathers_x;  // first gather of its columns from the next finer level; of the finest level meaningless
-  int gathers_y;  // of its rows
+  int taps_x;     // first tap of its columns in the next coarser level; unused in the coarsest level
+  int taps_y;     // first tap of its rows
+  int gathers_x;  // first gather of its columns from the next finer level; unused in the finest level
+  int gathers_y;  // first gather of its rows
   int unused;
 } MultumMipLevel;
 
-// Between which two texels of the next coarser level one lies, in one direction.
+// The two texels of the next coarser level between which a texel is interpolated, in one direction.
 typedef struct MultumTap {
   int first;
   int second;
-  float fraction;  // weight of the second
+  float fraction;  // weight of the second texel
   int unused;
 } MultumTap;
 
-// Which texels of the next finer level have a texel as one of their two, in one direction: a range of entries.
+// The texels of the next finer level that interpolate from a texel, in one direction: a range of entries.
 typedef struct MultumGather {
   int begin;
   int count;

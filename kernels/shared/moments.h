@@ -3,8 +3,8 @@
 #ifndef MULTUM_KERNELS_SHARED_MOMENTS_H
 #define MULTUM_KERNELS_SHARED_MOMENTS_H
 
-// Planes that are averaged: of slopes b = -(n_x, n_y) / n_z the moments, then the normal, then features if there are
-// any, three planes at a time.
+// Averaged planes: the moments of slopes b = -(n_x, n_y) / n_z, then the normal, then features if there are any, three
+// planes at a time.
 #define MULTUM_MOMENT_S 0
 #define MULTUM_MOMENT_T 1
 #define MULTUM_MOMENT_SS 2
@@ -13,8 +13,8 @@
 #define MULTUM_MOMENT_NORMAL 5
 #define MULTUM_MOMENT_PLANES 8
 
-// Moments as a filter gives them, all of them multiplied by `share`, the part of the filter's weights that fell on
-// stored levels; the rest, map_share, fell on the normal map itself.
+// Filtered moments, all multiplied by `share`, the part of the filter's weights that fell on stored levels. The rest,
+// map_share, fell on the normal map.
 typedef struct MultumFilteredMoments {
   float normal_x, normal_y, normal_z, share;
   float s, t, ss, tt;
@@ -22,7 +22,7 @@ typedef struct MultumFilteredMoments {
   float map_x, map_y, map_z, map_share;
 } MultumFilteredMoments;
 
-// How moments are shaded (docs/contributing/ALGORITHMS.md, "Moments").
+// Shading methods of moments (docs/contributing/ALGORITHMS.md, "Moments").
 #define MULTUM_SHADE_TOKSVIG 0
 #define MULTUM_SHADE_LEAN 1
 #define MULTUM_SHADE_LEAN_JACOBIAN 2

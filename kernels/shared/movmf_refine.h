@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constants of the refinement of lobes, which kernel and reference share. Valid OpenCL C and C++.
+// Constants of the refinement of lobes, shared by kernel and reference. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 
-// Highlights that lobes are refined for: Blinn-Phong of exponent s. By their squares a sharp highlight would outweigh a
-// broad one by the ratio of their exponents, so that each counts 1/s; the broadest and the sharpest one less: the one
-// differs little between fits, and what the other shows most of is single normals, which no few lobes follow.
+// Highlights that lobes are refined for: Blinn-Phong of exponent s. Squared errors of a sharp highlight would outweigh
+// those of a broad one by the ratio of their exponents, so each highlight is weighted by 1/s. The broadest and the
+// sharpest highlights have less weight. The broadest differs little between fits. The sharpest mainly shows single
+// normals, which a few lobes cannot follow.
 #define MULTUM_REFINE_BRDFS 3
 #define MULTUM_REFINE_EXPONENTS \
   { 20.0f, 100.0f, 500.0f }
@@ -15,32 +16,33 @@
 #define MULTUM_REFINE_SPREADS \
   { 43.0f / 484.0f, 203.0f / 10404.0f, 1003.0f / 252004.0f }
 
-// Steps, and how far the diagonal is raised in each; one that does not lower the energy is cut to this share.
+// Number of steps, and the factor by which each raises the diagonal. A step that does not lower the energy is cut to
+// MULTUM_REFINE_STEP_CUT of its size.
 #define MULTUM_REFINE_STEPS 10
 #define MULTUM_REFINE_DAMPING 0.1f
 #define MULTUM_REFINE_STEP_CUT 0.25f
-// An energy that is higher by no more than single precision rounds it is no reason to take a step back.
+// A step is not undone for an increase of energy within single-precision rounding.
 #define MULTUM_REFINE_ENERGY_ROUNDING 1e-6f
 #define MULTUM_REFINE_ENERGY_MAX 3e38f
-// Weight of what is seen midway to each of the four texels beside, where the texel's centre has 1. Without it lobes
-// come nearer at centres and lose alignment.
+// Weight of the view midway to each of the four adjacent texels; the texel's centre has weight 1. Without it, errors at
+// centres are lower, but lobes lose their alignment.
 #define MULTUM_REFINE_MIDWAY_WEIGHT 0.4f
-// Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes beside the highlights. A mean
-// normal that is held exactly costs highlights more than half of what refining brings at centres.
+// Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes, relative to highlights. Keeping
+// the mean normal exactly would cost highlights more than half of the gain from refining at centres.
 #define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
-// Pooled lobes shorter than this turn as if they were as long.
+// Pooled lobes shorter than this turn as if they had this length.
 #define MULTUM_REFINE_LENGTH_MIN 0.02f
 // Raises the diagonal of lobes without weight, which would be 0.
 #define MULTUM_REFINE_DIAGONAL_MIN 1e-6f
-// An amplitude keeps at least this share in a step; kappa changes by at most a factor e, and a lobe turns by at most
+// In one step an amplitude keeps at least this share, kappa changes by at most a factor e, and a lobe turns by at most
 // its width, sqrt(1 - |r| + MULTUM_REFINE_TURN_MIN).
 #define MULTUM_REFINE_SHARE_MIN 0.3f
 #define MULTUM_REFINE_TURN_MIN 0.01f
-// A lobe is not widened to a spread 1 - |r| above this: it would have no direction.
+// Largest spread 1 - |r| that a step may widen a lobe to: a wider lobe would have no direction.
 #define MULTUM_REFINE_SPREAD_MAX 0.95f
 #define MULTUM_REFINE_KAPPA_MIN 0.05f
-// Directions (x, y) in which EM's lobes and the refined ones are compared, z above 0: evenly over the disc of radius
-// sqrt(3/4), by the golden angle, which is about where half vectors of lights and views above a surface lie.
+// Directions (x, y), z above 0, in which EM's lobes and the refined ones are compared. They are evenly spread by the
+// golden angle over the disc of radius sqrt(3/4), about where half vectors of lights and views above a surface are.
 #define MULTUM_REFINE_LOOKS 24
 #define MULTUM_REFINE_LOOK_XY                                                                                    \
   {                                                                                                              \
@@ -52,12 +54,13 @@
       0.1881f, -0.8361f                                                                                          \
     }                                                                                                            \
   }
-// Refined lobes stay whose error is up to this times EM's: beside refined ones, those of EM fit less well (four-quarter
-// map of 1024, 4 lobes, s = 100, midway in x at level 3: 9.8 % with 1). A level's only texel has none beside: 1.
+// Refined lobes are kept if their error is at most this times that of EM's lobes, because EM's lobes fit less well next
+// to refined ones (four-quarter map of 1024, 4 lobes, s = 100, midway in x at level 3: 9.8 % with 1). A level's only
+// texel has no neighbours and uses 1.
 #define MULTUM_REFINE_LOOK_SLACK 1.1f
-// Highlights below this, of exponents that no direction shows, are equal.
+// Highlights below this, of exponents that no direction shows, count as equal.
 #define MULTUM_REFINE_SEEN_MIN 1e-6f
-// Smallest amplitude inside; of less a step would know nothing.
+// Least amplitude inside the refinement; with less, a step would have no gradient.
 #define MULTUM_REFINE_AMPLITUDE_MIN 1e-5f
 
 #endif

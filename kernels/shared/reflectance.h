@@ -12,7 +12,7 @@ typedef struct MultumReflectanceLight {
 
 typedef struct MultumReflectanceMap {
   int size;         // texels a side
-  int sample_side;  // normals along a side of a texel: its square of them is averaged
+  int sample_side;  // normals along a side of a texel; the square of them is averaged
   int light_count;
   float exponent;  // s of Blinn-Phong
   float diffuse_red, diffuse_green, diffuse_blue, unused_diffuse;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// One von Mises-Fisher lobe as the kernels keep it; of planar Gaussians mean_x and mean_y are those of (n_x, n_y), and
-// mean_z is sigma^2. Valid OpenCL C and C++.
+// One von Mises-Fisher lobe in the kernels' format. For planar Gaussians mean_x and mean_y are the mean of (n_x, n_y),
+// and mean_z is sigma^2. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_VMF_LOBE_H
 #define MULTUM_KERNELS_SHARED_VMF_LOBE_H
 
 typedef struct MultumVmfLobe {
-  float mean_x;  // r = mean vector of the lobe's normals, |r| <= 1; its direction is the lobe's, 1 - |r| its spread
+  float mean_x;  // r = mean vector of the normals, |r| <= 1; r has the lobe's direction, and 1 - |r| is its spread
   float mean_y;
   float mean_z;
   float amplitude;  // share of the texel's normals; the lobes of a texel sum to 1

@@ -14,7 +14,7 @@ constexpr std::size_t kTexelBytes = 8;  // RGBA halves
 constexpr std::size_t kUploadLeast = std::size_t{1} << 16;
 
 PlayerSettings with_kind(PlayerSettings settings) {
-  // Where it waits, no frame may depend on time.
+  // A player that waits must draw frames that do not depend on time.
   settings.playback.kind = !settings.waits      ? DecodedKind::kImagesAndSums
                            : settings.is_linear ? DecodedKind::kImages
                                                 : DecodedKind::kTextures;
@@ -30,11 +30,11 @@ FieldPlayer::FieldPlayer(const GlFunctions& gl, const std::string& path, const P
       textures_(playback_.description().layers.size()) {
   if (settings.upload_max < kUploadLeast)
     throw Error(ErrorCode::kUsage, "playback: uploads of " + std::to_string(settings.upload_max) +
-                                       " bytes a frame, expected at least " + std::to_string(kUploadLeast));
+                                       " bytes per frame, expected at least " + std::to_string(kUploadLeast));
   if (!has_whole_textures()) reserve_memory();
 }
 
-/// For the largest texture of every layer, and for sums.
+/// Reserves memory for the largest texture of every layer and for sums.
 void FieldPlayer::reserve_memory() {
   int width_max = 1, height_max = 1;
   std::size_t bytes = 0;
@@ -71,7 +71,7 @@ FieldPlayer::Upload& FieldPlayer::begun_upload(ImageKey key, const DecodedImage&
   return images_.emplace(key, Upload{std::move(texture)}).first->second;
 }
 
-/// As many rows of a decoded image as fit, at least one.
+/// Uploads as many rows of a decoded image as fit into `bytes_max`, at least one.
 void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   const ScopedStopwatch stopwatch(report_.upload_seconds);
   const DecodedImage& decoded = playback_.decoded(key);
@@ -98,8 +98,8 @@ void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   playback_.uploaded(key);
 }
 
-/// Coarse images first. `all`: whatever it takes; else the first of each layer wholly, others as far as the frame's
-/// bytes go.
+/// Uploads coarse images first. `all`: uploads everything; otherwise uploads the first image of each layer whole, and
+/// others within the frame's byte limit.
 void FieldPlayer::upload_for(const std::vector<LayerNeed>& needs, bool all) {
   std::size_t most = 0;
   for (const LayerNeed& need : needs) most = std::max(most, need.images.size());
@@ -118,7 +118,7 @@ bool FieldPlayer::is_drawable(std::size_t layer, const LayerNeed& need) const {
     return need.is_decoded && std::all_of(need.images.begin(), need.images.end(),
                                           [this](const NeededImage& image) { return is_there(image.key); });
   if (need.is_decoded && (need.images.empty() || is_there(need.images.front().key))) return true;
-  return textures_[layer].is_made && textures_[layer].mapping == need.mapping;  // that of a moment ago
+  return textures_[layer].is_made && textures_[layer].mapping == need.mapping;  // texture of an earlier frame
 }
 
 void FieldPlayer::wait_for(std::vector<LayerNeed>& needs) {
@@ -134,7 +134,7 @@ void FieldPlayer::wait_for(std::vector<LayerNeed>& needs) {
     if (playback_.wait()) continue;
     throw Error(ErrorCode::kEnvironment, "playback: the images of a frame do not fit into " +
                                              std::to_string(settings_.playback.memory_max) +
-                                             " bytes of memory: allow more");
+                                             " bytes of memory: raise the memory limit");
   }
   report_.wait_seconds = stopwatch.seconds() - (report_.upload_seconds - uploading_before);
 }
@@ -149,7 +149,7 @@ void FieldPlayer::show(std::size_t layer, const LayerNeed& need) {
     if (is_there(image.key)) images.emplace_back(image.key, image.weight);
   report.missing = need.images.size() - images.size();
   report.is_old = !need.is_decoded || (!need.images.empty() && !is_there(need.images.front().key));
-  if (report.is_old) return;  // is_drawable() saw that there is one
+  if (report.is_old) return;  // is_drawable() checked that an old texture exists
   if (!has_whole_textures()) return make_texture(layer, need, std::move(images));
   if (shown.whole != images.front().first) ++report_.textures_made;
   shown.whole = images.front().first;
@@ -162,7 +162,7 @@ void FieldPlayer::make_texture(std::size_t layer, const LayerNeed& need,
   const InferredObject& object = description().field.objects[description().layers[layer].object];
   const TextureMapping& mapping = object.mappings[need.mapping];
   if (made.texture == nullptr || made.mapping != need.mapping) {
-    made.texture.reset();  // before the next one takes its memory
+    made.texture.reset();  // frees memory before the next texture needs it
     const MipLayout layout(mapping.width, mapping.height);
     made.texture = std::make_unique<Texture>(
         gl_, object.name + "'s " + description().layers[layer].name,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a packed field: a program asks for a point of the parameter space each frame, and gets the textures of every
-// object there, from what is decoded by then. Hakura et al. 2000, section 5: images are decoded as they are needed and
-// cached (host/fields/playback), and added up by the GPU. Where all of a single sample's are waited for, workers add up
-// its coefficients instead, and whole textures are cached: one transform for all images, and nothing is left for the
-// GPU to do. Textures lie on exact geometry, so a camera may be anywhere near its samples; how near,
-// docs/contributing/ALGORITHMS.md says.
+// Plays a packed field. Each frame a program asks for a point of the parameter space and gets the textures of every
+// object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded when
+// they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a single
+// sample, workers add up the sample's coefficients instead and cache whole textures: this takes one transform for all
+// images, and the GPU has nothing to add. Textures are mapped on exact geometry, so a camera may be anywhere near the
+// field's samples; docs/contributing/ALGORITHMS.md says how near.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)
@@ -22,22 +22,22 @@
 namespace multum::gl {
 
 struct PlayerSettings {
-  PlaybackSettings playback;                       // kind is chosen here
-  std::size_t upload_max = std::size_t{16} << 20;  // bytes to the GPU a frame, at least 2^16
-  bool is_linear = false;  // between samples: mixed, gamma-coded, linearly along each parameter; else the nearest
-  bool waits = false;      // for all that a frame needs; else for the coarsest image of each texture alone
+  PlaybackSettings playback;                       // FieldPlayer sets kind
+  std::size_t upload_max = std::size_t{16} << 20;  // bytes uploaded per frame, at least 2^16
+  bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; else uses the nearest
+  bool waits = false;      // for all images of a frame; else only for the coarsest image of each texture
 };
 
-/// A layer in a frame.
+/// State of a layer in a frame.
 struct LayerReport {
-  bool is_drawn = false;    // there is something to draw
-  bool is_old = false;      // nothing of this point's is there: the texture drawn before stays
-  std::size_t needed = 0;   // images that the texture is the sum of
-  std::size_t missing = 0;  // of them, those that were not there in time
+  bool is_drawn = false;    // the layer has something to draw
+  bool is_old = false;      // no image of this point is decoded: the previous texture stays
+  std::size_t needed = 0;   // images that the texture sums
+  std::size_t missing = 0;  // needed images that were not ready in time
 };
 
 struct FrameReport {
-  std::vector<LayerReport> layers;  // of the description
+  std::vector<LayerReport> layers;  // in the description's order
   std::size_t uploaded_bytes = 0;
   std::size_t textures_made = 0;
   double wait_seconds = 0.0, upload_seconds = 0.0, sum_seconds = 0.0;
@@ -45,24 +45,25 @@ struct FrameReport {
 
 class FieldPlayer {
  public:
-  /// Of a packed file. Throws Error.
+  /// Opens a packed file. Throws Error.
   FieldPlayer(const GlFunctions& gl, const std::string& path, const PlayerSettings& settings);
 
   const FieldDescription& description() const { return playback_.description(); }
 
-  /// Makes the textures of a point (by index along each parameter, clamped to the grid). `ahead`: where the next frames
-  /// will be, as far as that is known, the next first. Throws Error(kEnvironment) where memory does not suffice for
-  /// what it waits for.
+  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead`: expected points of
+  /// the next frames, as far as they are known, the next first. Throws Error(kEnvironment) if the images that the
+  /// player waits for do not fit into memory.
   const FrameReport& prepare(const std::vector<double>& point, const std::vector<std::vector<double>>& ahead);
 
-  /// Nothing is decoded any more: what the next frame takes is what a jump to anywhere takes.
+  /// Forgets all decoded images, so that the next frame measures the cost of a jump to any point.
   void forget_all();
 
-  /// Of the point: the textures to be added up, and the mapping whose coordinates they have. Valid until the next
+  /// Returns the textures to sum at the point, and the mapping whose coordinates they use. Valid until the next
   /// prepare().
   std::vector<const Texture*> layers(std::size_t object) const;
   std::size_t mapping(std::size_t object) const;
-  /// World to clip at a point: between samples the camera's position goes linearly, its rotation by slerp.
+  /// Returns the world-to-clip matrix of a point. Between samples, the camera's position is interpolated linearly and
+  /// its rotation by slerp.
   glm::dmat4 camera(const std::vector<double>& point) const;
 
   PlaybackCounts counts() const { return playback_.counts(); }
@@ -71,15 +72,15 @@ class FieldPlayer {
  private:
   struct Upload {
     Texture texture;
-    int level = 0, row = 0;  // the next that is to come
+    int level = 0, row = 0;  // the next row to upload
   };
   struct LayerTexture {
     std::unique_ptr<Texture> texture;
     std::size_t mapping = 0;
-    std::vector<std::pair<ImageKey, float>> images;  // that it is the sum of
+    std::vector<std::pair<ImageKey, float>> images;  // images that the texture sums, with weights
     std::array<float, 3> offset{};
     bool is_made = false;
-    std::optional<ImageKey> whole;  // in their place: a whole texture, as it was decoded
+    std::optional<ImageKey> whole;  // a whole decoded texture, used in place of images
   };
 
   void reserve_memory();
@@ -97,8 +98,8 @@ class FieldPlayer {
   PlayerSettings settings_;
   std::map<ImageKey, Upload> images_;
   FieldPlayback playback_;
-  std::unique_ptr<LayerSum> sum_;       // null: has_whole_textures()
-  std::vector<LayerTexture> textures_;  // of each layer
+  std::unique_ptr<LayerSum> sum_;       // null if has_whole_textures()
+  std::vector<LayerTexture> textures_;  // one per layer
   std::size_t nearest_ = 0;             // sample
   FrameReport report_;
 };

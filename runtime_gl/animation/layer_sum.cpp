@@ -9,7 +9,7 @@
 namespace multum::gl {
 namespace {
 
-// Images of a pass: any GL 4.5 has 16 units, and one is for the sum.
+// Images per pass: every GL 4.5 has 16 texture units, and one is for the sum.
 constexpr std::size_t kImagesMax = 8;
 
 constexpr SamplerSettings kFetched = {WrapMode::kClamp, WrapMode::kClamp, false, 1.0f};
@@ -72,7 +72,7 @@ void LayerSum::add_up(const std::vector<WeighedTexture>& images, const std::arra
     if (count > 0) shader.set_floats("u_weights", weights.data(), static_cast<int>(count));
     if (is_last && !is_first) sum_.bind(static_cast<int>(kImagesMax));
     shader.set("u_sum", static_cast<int>(kImagesMax));
-    if (!is_first && !is_last) {  // added to what is there
+    if (!is_first && !is_last) {  // adds to earlier passes
       gl_.Enable(GL_BLEND);
       gl_.BlendFunc(GL_ONE, GL_ONE);
     }
@@ -84,7 +84,7 @@ void LayerSum::add_up(const std::vector<WeighedTexture>& images, const std::arra
   mip.use();
   mip.set("u_finer", 0);
   for (int l = 1; l < shape.level_count; ++l) {
-    // The one level that is read is the only one that may be, or what is drawn to is read from.
+    // Restricts sampling to the level that is read; otherwise the draw would read the texture that it writes.
     gl_.TextureParameteri(target.id(), GL_TEXTURE_BASE_LEVEL, l - 1);
     gl_.TextureParameteri(target.id(), GL_TEXTURE_MAX_LEVEL, l - 1);
     target.bind(0);

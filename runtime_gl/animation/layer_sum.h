@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds up decoded images of a packed field to the texture of a layer, on the GPU: a weighted sum of gamma-coded values,
-// clipped at 0, as radiance, with all mip levels, as unpacked textures have them.
+// Sums decoded images of a packed field to the texture of a layer, on the GPU: a weighted sum of gamma-coded values,
+// clipped at 0 and converted to radiance, with all mip levels, the same as in unpacked textures.
 #pragma once
 
 #include <array>
@@ -21,16 +21,16 @@ struct WeighedTexture {
 
 class LayerSum {
  public:
-  /// For textures of up to so many texels along each side. Throws Error(kEnvironment).
+  /// Supports textures of up to this size. Throws Error(kEnvironment).
   LayerSum(const GlFunctions& gl, int width_max, int height_max);
   ~LayerSum();
   LayerSum(const LayerSum&) = delete;
   LayerSum& operator=(const LayerSum&) = delete;
 
-  /// Writes all levels of `target`, RGBA16F with levels down to 1 x 1. Images have its size.
+  /// Writes all levels of `target`, which is RGBA16F with levels down to 1 x 1. Images have the size of `target`.
   void add_up(const std::vector<WeighedTexture>& images, const std::array<float, 3>& offset, const Texture& target);
 
-  /// What one for textures of this size takes.
+  /// Returns the memory that a LayerSum for textures of this size needs.
   static std::size_t memory_bytes(int width_max, int height_max);
 
  private:
@@ -38,7 +38,7 @@ class LayerSum {
   void draw(GLuint texture, int level, int width, int height);
 
   const GlFunctions& gl_;
-  Texture sum_;  // of more images than one pass takes
+  Texture sum_;  // sum of earlier passes, if one pass is not enough
   GLuint framebuffer_ = 0, vertex_array_ = 0;
   std::map<std::vector<std::string>, std::unique_ptr<ShaderProgram>> programs_;
 };

@@ -36,7 +36,7 @@ const ShaderProgram& TexturedRenderer::program(std::size_t layer_count) {
   return *entry;
 }
 
-/// Into framebuffer_: rows of sub-pixels from `bottom` on, counted from below.
+/// Draws rows of sub-pixels to framebuffer_, from row `bottom` on, counted from below.
 void TexturedRenderer::draw_rows(const std::vector<TexturedObject>& objects, int bottom) {
   framebuffer_.bind_rows(bottom, height_ * supersampling_);
   framebuffer_.clear_colour();
@@ -54,7 +54,7 @@ void TexturedRenderer::draw_rows(const std::vector<TexturedObject>& objects, int
   check_gl(gl_, "drawing textured objects");
 }
 
-/// Of framebuffer_, into the picture.
+/// Averages the sub-pixels of framebuffer_ into the picture.
 void TexturedRenderer::average_rows(int bottom) {
   const int first = bottom / supersampling_, rows = std::min(framebuffer_.height() / supersampling_, height_ - first);
   picture_.bind();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws objects with the textures that were inferred for them: radiance is looked up and nothing is lit. Drawn with
-// supersampling^2 sub-pixels a pixel and averaged, as the filter matrix was measured.
+// Draws objects with their inferred textures: looks up radiance and lights nothing. Draws supersampling^2 sub-pixels
+// per pixel and averages them, as the measurement of the filter matrix did.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ namespace multum::gl {
 
 struct TexturedObject {
   PlacedMesh placed;
-  std::vector<const Texture*> layers;  // added up; none: black, and hides what is behind
+  std::vector<const Texture*> layers;  // summed; if empty, the object is black and hides objects behind it
 };
 
 class TexturedRenderer {
@@ -27,7 +27,7 @@ class TexturedRenderer {
   TexturedRenderer(const TexturedRenderer&) = delete;
   TexturedRenderer& operator=(const TexturedRenderer&) = delete;
 
-  /// Linear radiance times coverage; alpha = coverage, 0..1.
+  /// Returns linear radiance times coverage; alpha = coverage, 0 to 1.
   FloatImage draw(const std::vector<TexturedObject>& objects);
 
  private:
@@ -37,11 +37,11 @@ class TexturedRenderer {
 
   const GlFunctions& gl_;
   int width_, height_, supersampling_;
-  Framebuffer framebuffer_;  // sub-pixels, of some rows at a time
+  Framebuffer framebuffer_;  // sub-pixels of some rows at a time
   Framebuffer picture_;
   ShaderProgram mean_;
   GLuint vertex_array_ = 0;
-  std::map<std::size_t, std::unique_ptr<ShaderProgram>> programs_;  // by number of layers
+  std::map<std::size_t, std::unique_ptr<ShaderProgram>> programs_;  // keyed by number of layers
 };
 
 }  // namespace multum::gl

@@ -29,7 +29,7 @@ const char* egl_error_name(EGLint error) {
   }
 }
 
-/// Whole words only: one extension's name can be another's prefix.
+/// Matches whole words only, because one extension's name can be another's prefix.
 bool has_word(const char* list, const char* word) {
   if (list == nullptr) return false;
   const std::size_t length = std::strlen(word);
@@ -44,7 +44,7 @@ struct Candidate {
   bool is_software = false;
 };
 
-// GPUs first, then whatever the surfaceless platform takes, then what draws in software.
+// Orders displays: GPUs first, then the display of the surfaceless platform, then software renderers.
 std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
   std::vector<Candidate> candidates;
   const char* client = egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -77,7 +77,7 @@ std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
 
 class EglContext final : public HeadlessContext {
  public:
-  // On the first display that gives one that can be used, or on the display of that number alone.
+  // Opens a context on the first display with a usable one, or only on the display with the given number.
   EglContext(const EglFunctions& egl, DebugOutput debug, std::optional<std::size_t> only = std::nullopt) : egl_(egl) {
     std::string reasons;
     const std::vector<Candidate> candidates = candidate_displays(egl_);
@@ -89,8 +89,9 @@ class EglContext final : public HeadlessContext {
       if (reason.empty()) return;
       reasons += (reasons.empty() ? "" : "; ") + candidate.name + ": " + reason;
     }
-    throw Error(ErrorCode::kEnvironment,
-                "EGL: " + (reasons.empty() ? "neither the surfaceless nor the device platform is offered" : reasons));
+    throw Error(
+        ErrorCode::kEnvironment,
+        "EGL: " + (reasons.empty() ? "the library has neither the surfaceless nor the device platform" : reasons));
   }
   ~EglContext() override { close(); }
 
@@ -102,7 +103,7 @@ class EglContext final : public HeadlessContext {
   ContextBackend backend() const override { return ContextBackend::kEgl; }
 
  private:
-  /// Empty when the context is current, else what went wrong.
+  /// Makes the context current. Returns an empty string, or the reason for the failure.
   std::string open(EGLDisplay display, DebugOutput debug) {
     EGLint major = 0;
     EGLint minor = 0;
@@ -131,7 +132,8 @@ class EglContext final : public HeadlessContext {
     return reason;
   }
   std::string failure(const char* call) { return std::string(call) + ": " + egl_error_name(egl_.GetError()); }
-  /// Empty when its functions are there, else why not: then it is closed, and another display may have them.
+  /// Loads the context's functions. Returns an empty string, or closes the context and returns the reason, so that
+  /// another display can be tried.
   std::string load_or_close(DebugOutput debug) {
     try {
       load(reinterpret_cast<GetProcAddress>(egl_.GetProcAddress), debug);
@@ -144,8 +146,8 @@ class EglContext final : public HeadlessContext {
       throw;
     }
   }
-  // The display stays initialised: Mesa hands one display to every caller, and eglTerminate would end the others'
-  // contexts.
+  // The display stays initialised: Mesa gives one display to every caller, and eglTerminate would end the contexts of
+  // the others.
   void close() {
     if (context_ == EGL_NO_CONTEXT) return;
     egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);

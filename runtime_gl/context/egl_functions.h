@@ -34,10 +34,10 @@ struct EglFunctions {
   PFNEGLDESTROYCONTEXTPROC DestroyContext = nullptr;
 };
 
-/// Those of libEGL.so.1, which stays open. Throws Error(kEnvironment) without it.
+/// Loads the functions from libEGL.so.1, which stays open. Throws Error(kEnvironment) if the library is missing.
 EglFunctions load_egl_functions();
 
-/// make_egl_context() by these functions.
+/// Does the work of make_egl_context() with these functions.
 std::unique_ptr<HeadlessContext> make_egl_context(const EglFunctions& egl, DebugOutput debug);
 
 }  // namespace multum::gl

@@ -14,7 +14,7 @@ namespace {
 
 void APIENTRY on_debug_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum /*severity*/, GLsizei /*length*/,
                                const GLchar* message, const void* /*user*/) {
-  // Errors are thrown by check_gl(); this adds the driver's own words to them.
+  // check_gl() throws an Error for each GL error; this adds the driver's own words.
   if (type == GL_DEBUG_TYPE_ERROR) log_warning("GL", message);
 }
 
@@ -25,7 +25,7 @@ void HeadlessContext::load(GetProcAddress get_proc_address, DebugOutput debug) {
   description_ = std::string(context_backend_name(backend())) + ": " + gl_string(functions_, GL_RENDERER) + ", " +
                  gl_string(functions_, GL_VERSION);
   if (debug == DebugOutput::kOff) return;
-  // Core since 4.3. Synchronous, so that a message appears before the exception that its step throws.
+  // Core since OpenGL 4.3. Synchronous, so that a message appears before the exception of the step that caused it.
   functions_.Enable(GL_DEBUG_OUTPUT);
   functions_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   functions_.DebugMessageCallback(on_debug_message, nullptr);

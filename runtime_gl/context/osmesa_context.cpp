@@ -10,7 +10,7 @@
 namespace multum::gl {
 namespace {
 
-// From GL/osmesa.h, which cannot be included beside GL/glcorearb.h (it includes the compatibility GL/gl.h).
+// From GL/osmesa.h, which includes the compatibility GL/gl.h and so conflicts with GL/glcorearb.h.
 constexpr int kOsmesaFormat = 0x22;
 constexpr int kOsmesaDepthBits = 0x30;
 constexpr int kOsmesaStencilBits = 0x31;
@@ -46,7 +46,7 @@ class OsmesaContext final : public HeadlessContext {
                               0,
                               0};
     context_ = create(attributes, nullptr);
-    if (context_ == nullptr) throw Error(ErrorCode::kEnvironment, "OSMesa: refused an OpenGL 4.5 core context");
+    if (context_ == nullptr) throw Error(ErrorCode::kEnvironment, "OSMesa: cannot create an OpenGL 4.5 core context");
     try {
       bind();
       load(library_.symbol<GetProcAddress>("OSMesaGetProcAddress"), debug);

@@ -8,7 +8,7 @@
 
 namespace multum::gl {
 
-/// Throws Error(kEnvironment): library missing, context refused.
+/// Throws Error(kEnvironment) if the library is missing or refuses the context.
 std::unique_ptr<HeadlessContext> make_osmesa_context(DebugOutput debug);
 
 }  // namespace multum::gl

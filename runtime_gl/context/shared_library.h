@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library opened at run time, its symbols kept out of the program's (RTLD_LOCAL). It is never closed: Mesa leaves
-// threads and exit handlers behind that run code of it.
+// Opens a library at run time and keeps its symbols separate from the program's symbols (RTLD_LOCAL). The library is
+// never closed, because Mesa leaves threads and exit handlers that run its code.
 #pragma once
 
 #include <dlfcn.h>

@@ -12,9 +12,9 @@ void check_size(const GlFunctions& gl, int width, int height) {
   GLint size_max = 0;
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &size_max);
   if (width < 1 || height < 1 || width > size_max || height > size_max)
-    throw Error(ErrorCode::kEnvironment, "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                                             " was asked for; this GL renders 1 x 1 up to " + std::to_string(size_max) +
-                                             " x " + std::to_string(size_max));
+    throw Error(ErrorCode::kEnvironment, "cannot draw a picture of " + std::to_string(width) + " x " +
+                                             std::to_string(height) + " pixels: this GL supports 1 x 1 to " +
+                                             std::to_string(size_max) + " x " + std::to_string(size_max));
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ Framebuffer::Framebuffer(const GlFunctions& gl, int width, int height, int colou
   const GLenum status = gl.CheckNamedFramebufferStatus(framebuffer_, GL_DRAW_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE)
     throw Error(ErrorCode::kEnvironment,
-                "the GL driver refuses an RGBA32F picture: framebuffer status " + std::to_string(status));
+                "the GL driver rejects an RGBA32F picture: framebuffer status " + std::to_string(status));
 }
 
 Framebuffer::~Framebuffer() {

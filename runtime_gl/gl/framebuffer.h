@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear RGBA32F colour buffers with a 32-bit depth buffer, read back exactly.
+// Linear RGBA32F colour buffers with a 32-bit depth buffer; pixels are read back exactly.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace multum::gl {
 
-/// Linear RGBA, alpha = coverage; rows from top to bottom.
+/// Linear RGBA picture, alpha = coverage; rows from top to bottom.
 struct FloatImage {
   int width = 0;
   int height = 0;
   std::vector<float> rgba;
 };
 
-/// Part of a picture, its row 0 at the top.
+/// Part of a picture whose row 0 is at the top.
 struct PixelRectangle {
   int x = 0, y = 0;
   int width = 0, height = 0;
@@ -23,21 +23,22 @@ struct PixelRectangle {
 
 class Framebuffer {
  public:
-  /// Fragment output i goes to colour buffer i. Throws Error(kEnvironment): too large for the device, out of memory.
+  /// Fragment output i goes to colour buffer i. Throws Error(kEnvironment) if the size exceeds the device's limit or
+  /// memory runs out.
   Framebuffer(const GlFunctions& gl, int width, int height, int colour_count = 1);
   ~Framebuffer();
   Framebuffer(const Framebuffer&) = delete;
   Framebuffer& operator=(const Framebuffer&) = delete;
 
-  /// Draws go here from now on, over the whole of it.
+  /// Directs later draws to the whole framebuffer.
   void bind() const { bind_rows(0, height_); }
-  /// The same for a picture that is taller than this: this holds its rows from `bottom_row` on, counted from below.
-  /// Neighbouring fragments stay together when it is even.
+  /// Directs later draws to part of a taller picture: the framebuffer holds the picture's rows from `bottom_row` on,
+  /// counted from below. An even `bottom_row` keeps groups of neighbouring fragments together.
   void bind_rows(int bottom_row, int picture_height) const;
-  /// Every channel of every pixel of every colour buffer.
+  /// Sets every channel of every pixel of every colour buffer.
   void clear_colour(float value = 0.0f) const;
   void clear_depth() const;
-  /// The first colour buffer as a texture; its filter is nearest.
+  /// Binds the first colour buffer as a texture with nearest filtering.
   void bind_colour(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), colours_.front()); }
   FloatImage read() const { return read(0, {0, 0, width_, height_}); }
   FloatImage read(int colour, const PixelRectangle& part) const;
@@ -46,7 +47,7 @@ class Framebuffer {
   int height() const { return height_; }
 
  private:
-  Framebuffer(const GlFunctions& gl, int colour_count);  // owns the names before anything can throw
+  Framebuffer(const GlFunctions& gl, int colour_count);  // creates the names before anything can throw
 
   const GlFunctions* gl_;
   int width_ = 0;

@@ -24,10 +24,11 @@ GlFunctions load_gl_functions(GetProcAddress get_proc_address) {
   GLint minor = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl.GetIntegerv(GL_MINOR_VERSION, &minor);
-  // 4.5 for direct state access: no binding points to save and restore, so that objects cannot disturb one another.
+  // 4.5 has direct state access: there are no binding points to save and restore, so objects cannot disturb one
+  // another.
   if (major * 10 + minor < 45)
     throw Error(ErrorCode::kEnvironment, "the GL context has version " + std::to_string(major) + "." +
-                                             std::to_string(minor) + ", 4.5 or more is needed");
+                                             std::to_string(minor) + ", expected 4.5 or later");
 #define MULTUM_GL_FIND(type, name) gl.name = find_function<type>(get_proc_address, "gl" #name);
   MULTUM_GL_FUNCTIONS(MULTUM_GL_FIND)
 #undef MULTUM_GL_FIND
@@ -64,7 +65,7 @@ const char* gl_error_name(GLenum error) {
 void check_gl(const GlFunctions& gl, const std::string& step) {
   const GLenum first = gl.GetError();
   if (first == GL_NO_ERROR) return;
-  // A context can hold several flags; a lost one answers errors for ever, hence the bound.
+  // A context can hold several error flags. A lost context returns errors forever, so the loop is bounded.
   for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; ++i) {
   }
   throw Error(ErrorCode::kEnvironment, step + ": " + gl_error_name(first));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenGL functions that this runtime calls, and no others, filled from a back-end's GetProcAddress. Measured
-// reasons for a table of our own: libepoxy crashes under OSMesa 22.3.6 and GLEW does not find its functions there.
-// GetProcAddress answers with an address for names that do not exist, so the version is checked first.
+// The OpenGL functions that this runtime calls, and no others, loaded by a back-end's GetProcAddress. This table
+// replaces loader libraries for measured reasons: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's
+// functions.
+// GetProcAddress returns an address even for names that do not exist, so the version is checked first.
 #pragma once
 
 #include <GL/glcorearb.h>
@@ -10,7 +11,7 @@
 
 namespace multum::gl {
 
-// X(type, name): member `name` is gl`name`. Sorted by the part of OpenGL that a function belongs to.
+// X(type, name): member `name` is gl`name`. Sorted by the part of OpenGL that defines the function.
 #define MULTUM_GL_FUNCTIONS(X)                                           \
   X(PFNGLGETSTRINGPROC, GetString)                                       \
   X(PFNGLGETSTRINGIPROC, GetStringi)                                     \
@@ -100,19 +101,19 @@ struct GlFunctions {
 using GlFunction = void (*)();
 using GetProcAddress = GlFunction (*)(const char*);
 
-/// Fills the table for the current context. Throws Error(kEnvironment): below 4.5, or a function is missing.
+/// Fills the table for the current context. Throws Error(kEnvironment) below OpenGL 4.5, or if a function is missing.
 GlFunctions load_gl_functions(GetProcAddress get_proc_address);
 
-/// Whether the current context lists `extension`.
+/// Returns whether the current context lists `extension`.
 bool has_gl_extension(const GlFunctions& gl, const char* extension);
 
-/// GL_VENDOR, GL_RENDERER, GL_VERSION; "?" when the driver returns null.
+/// Returns GL_VENDOR, GL_RENDERER or GL_VERSION; "?" if the driver returns null.
 std::string gl_string(const GlFunctions& gl, GLenum name);
 
-/// "GL_INVALID_OPERATION" and so on.
+/// Returns "GL_INVALID_OPERATION" and so on.
 const char* gl_error_name(GLenum error);
 
-/// Throws Error(kEnvironment) "`step`: GL_..." when any error flag is set; clears the flags.
+/// Clears all error flags. Throws Error(kEnvironment) "`step`: GL_..." if any was set.
 void check_gl(const GlFunctions& gl, const std::string& step);
 
 }  // namespace multum::gl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A triangle mesh on the GPU. MeshData is what a caller hands in; the runtime reads no mesh files.
+// A triangle mesh on the GPU. Callers pass MeshData; the runtime reads no mesh files.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct MeshData {
   std::vector<std::uint32_t> indices;  // three a triangle
 };
 
-/// A vertex array without attributes, for shaders that make their own triangle.
+/// A vertex array without attributes, for shaders that generate their own triangle.
 class EmptyMesh {
  public:
   explicit EmptyMesh(const GlFunctions& gl) : gl_(&gl) { gl.CreateVertexArrays(1, &vertex_array_); }
@@ -49,11 +49,11 @@ class Mesh {
   Mesh(const Mesh&) = delete;
   Mesh& operator=(const Mesh&) = delete;
 
-  /// Attributes 0..3: position, normal, tangent, uv.
+  /// Draws with attributes 0 to 3: position, normal, tangent, uv.
   void draw() const;
 
  private:
-  explicit Mesh(const GlFunctions& gl);  // owns the names before anything can throw
+  explicit Mesh(const GlFunctions& gl);  // creates the names before anything can throw
 
   const GlFunctions* gl_;
   GLsizei index_count_ = 0;

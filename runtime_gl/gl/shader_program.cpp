@@ -59,16 +59,16 @@ void compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources, 
   GLint ok = GL_FALSE;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
   if (ok == GL_TRUE) return;
-  throw Error(ErrorCode::kEnvironment, variant_name(sources) + ": the driver refuses the " +
+  throw Error(ErrorCode::kEnvironment, variant_name(sources) + ": the driver cannot compile the " +
                                            (is_vertex ? "vertex" : "fragment") +
-                                           " stage (text 0 is the version and the flags):\n" + shader_log(gl, shader));
+                                           " shader (text 0 is the version and the flags):\n" + shader_log(gl, shader));
 }
 
 }  // namespace
 
 ShaderProgram::ShaderProgram(const GlFunctions& gl) : gl_(&gl), id_(gl.CreateProgram()) {}
 
-// The other constructor is done by now: whatever throws here, the destructor deletes the program.
+// The delegated constructor is complete, so the destructor deletes the program even if this body throws.
 ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources) : ShaderProgram(gl) {
   const Shader vertex(gl, GL_VERTEX_SHADER), fragment(gl, GL_FRAGMENT_SHADER);
   compile(gl, GL_VERTEX_SHADER, sources, vertex.id());
@@ -79,7 +79,8 @@ ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources
   GLint ok = GL_FALSE;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &ok);
   if (ok != GL_TRUE)
-    throw Error(ErrorCode::kEnvironment, variant_name(sources) + " does not link:\n" + program_log(gl, id_));
+    throw Error(ErrorCode::kEnvironment,
+                variant_name(sources) + ": the driver cannot link it:\n" + program_log(gl, id_));
   check_gl(gl, "building " + variant_name(sources));
 }
 

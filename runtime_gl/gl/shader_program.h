@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A linked vertex and fragment shader. A variant is a set of flags, each of which becomes one #define between the
-// version line and the shared text; only the variants that are asked for are compiled.
+// A linked vertex and fragment shader. A variant is a set of flags; each becomes one #define between the version line
+// and the shared text. Only requested variants are compiled.
 #pragma once
 
 #include <string>
@@ -26,17 +26,17 @@ class ShaderProgram {
   ShaderProgram(const ShaderProgram&) = delete;
   ShaderProgram& operator=(const ShaderProgram&) = delete;
 
-  /// What is left of its uniforms when what no output depends on is gone; arrays without their brackets.
+  /// Returns the names of uniforms that affect an output; names of arrays have no brackets.
   std::vector<std::string> active_uniforms() const;
   void use() const { gl_->UseProgram(id_); }
-  // A uniform that the variant does not use is ignored, as GL does for location -1.
+  // Setting a uniform that the variant does not use has no effect, as with GL's location -1.
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set_floats(const char* uniform, const float* values, int count) const;
   void set_vec2(const char* uniform, const float* values) const;
   void set_vec3(const char* uniform, const float* values, int count) const;
   void set_mat4(const char* uniform, const float* column_major) const;
-  /// Gives an array of samplers the texture units first_unit, first_unit + 1, ...
+  /// Assigns the texture units first_unit, first_unit + 1, ... to an array of samplers.
   void set_units(const char* uniform, int first_unit, int count) const;
 
  private:

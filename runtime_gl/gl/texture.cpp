@@ -12,7 +12,7 @@
 namespace multum::gl {
 namespace {
 
-// GL 4.6's names, equal to those of ARB_ and EXT_texture_filter_anisotropic; older GL/glcorearb.h may lack them.
+// GL 4.6 names, equal to those of ARB_ and EXT_texture_filter_anisotropic; older GL/glcorearb.h may lack them.
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;
 constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
 
@@ -48,8 +48,7 @@ void set_anisotropy(const GlFunctions& gl, GLuint texture, float anisotropy) {
   if (!has_gl_extension(gl, "GL_ARB_texture_filter_anisotropic") &&
       !has_gl_extension(gl, "GL_EXT_texture_filter_anisotropic"))
     throw Error(ErrorCode::kEnvironment,
-                "anisotropic filtering was asked for; the GL driver has no "
-                "GL_EXT_texture_filter_anisotropic");
+                "cannot filter anisotropically: the GL driver has no GL_EXT_texture_filter_anisotropic");
   GLfloat anisotropy_max = 1.0f;
   gl.GetFloatv(kMaxTextureMaxAnisotropy, &anisotropy_max);
   gl.TextureParameterf(texture, kTextureMaxAnisotropy, std::min(anisotropy, anisotropy_max));
@@ -61,13 +60,13 @@ void check_size(const GlFunctions& gl, const std::string& name, const TextureSha
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &size_max);
   if (shape.width > size_max || shape.height > size_max)
     throw Error(ErrorCode::kEnvironment, name + " is " + std::to_string(shape.width) + " x " +
-                                             std::to_string(shape.height) + " texels; this GL takes up to " +
+                                             std::to_string(shape.height) + " texels; this GL supports at most " +
                                              std::to_string(size_max) + " in each direction");
   GLint layers_max = 0;
   gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers_max);
   if (shape.layer_count > layers_max)
     throw Error(ErrorCode::kEnvironment, name + " has " + std::to_string(shape.layer_count) +
-                                             " layers; this GL takes up to " + std::to_string(layers_max));
+                                             " layers; this GL supports at most " + std::to_string(layers_max));
 }
 
 }  // namespace
@@ -99,7 +98,7 @@ Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& sh
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_T, wrap_value(sampler.wrap_t));
   gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, sampler.filtered ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
   gl.TextureParameteri(id_, GL_TEXTURE_MAG_FILTER, sampler.filtered ? GL_LINEAR : GL_NEAREST);
-  // Beyond a "black" border there is no material at all: a lobe of amplitude 0.
+  // Beyond a "black" border there is no material: the lobe has amplitude 0.
   const GLfloat border[4] = {0.0f, 0.0f, 0.0f, 0.0f};
   gl.TextureParameterfv(id_, GL_TEXTURE_BORDER_COLOR, border);
   if (sampler.filtered) set_anisotropy(gl, id_, sampler.anisotropy);
@@ -178,7 +177,7 @@ std::vector<float> Texture::read_level(int level) const {
   std::vector<float> values(4 * width * height);
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
   if (shape_.format == TexelFormat::kRgba16Snorm) {
-    // As integers: NVIDIA's driver (580) reads them as floats by the mapping of OpenGL 4.1, (2 c + 1) / 65535.
+    // Reads integers, because NVIDIA's driver (580) converts them to floats by OpenGL 4.1's mapping, (2 c + 1) / 65535.
     std::vector<std::int16_t> integers(values.size());
     gl_->GetTextureImage(id_, level, GL_RGBA, GL_SHORT, static_cast<GLsizei>(integers.size() * sizeof(std::int16_t)),
                          integers.data());

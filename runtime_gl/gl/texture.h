@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A two-dimensional texture, or an array of them, with explicitly uploaded levels: mips are data here, never made by
+// A two-dimensional texture, or an array of them, whose levels are uploaded explicitly: mips are data and never made by
 // the driver.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace multum::gl {
 
-/// Four channels, but for BC5, which has two. kRgba8 and kBc5 are for textures that come as they lie on a GPU
-/// (upload_bytes()) alone: llvmpipe filters them through 8 bits.
+/// All have four channels except BC5, which has two. kRgba8 and kBc5 are only for data already in a GPU's format
+/// (upload_bytes()), because llvmpipe filters them with 8 bits.
 enum class TexelFormat { kRgba16Snorm, kRgba16f, kRgba32f, kRgba8, kBc5 };
 
 const char* texel_format_name(TexelFormat format);
@@ -23,20 +23,20 @@ struct TextureShape {
   int height = 1;
   int level_count = 1;
   TexelFormat format = TexelFormat::kRgba32f;
-  int layer_count = 0;  // of an array (sampler2DArray); 0: no array
+  int layer_count = 0;  // layers of an array (sampler2DArray); 0: not an array
 };
 
 struct SamplerSettings {
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   bool filtered = true;     // false: nearest texel of level 0
-  float anisotropy = 1.0f;  // 1..16; above 1 needs GL_ARB_ or GL_EXT_texture_filter_anisotropic
+  float anisotropy = 1.0f;  // 1 to 16; above 1 needs GL_ARB_ or GL_EXT_texture_filter_anisotropic
 };
 
 class Texture {
  public:
-  /// Allocates every level. `name` appears in messages. Throws Error(kEnvironment): larger than the device's limit, out
-  /// of memory.
+  /// Allocates every level. `name` appears in messages. Throws Error(kEnvironment) if the size exceeds the device's
+  /// limit or memory runs out.
   Texture(const GlFunctions& gl, std::string name, const TextureShape& shape, const SamplerSettings& sampler);
   ~Texture();
   Texture(Texture&& other) noexcept;
@@ -44,16 +44,17 @@ class Texture {
   Texture(const Texture&) = delete;
   Texture& operator=(const Texture&) = delete;
 
-  /// `rgba`: 4 floats a texel, row 0 first; row 0 lies at texture coordinate t = 0. Rounded to the format here, to
-  /// nearest: multiples of 1/32767 clamped to [-1, 1]; half with ties to even; as it is.
+  /// `rgba`: 4 floats per texel, row 0 first; row 0 is at texture coordinate t = 0. Rounds to the nearest value of the
+  /// format: multiples of 1/32767 clamped to [-1, 1], or half with ties to even; floats stay unchanged.
   void upload_level(int level, const float* rgba);
-  /// Some whole rows of a level, from `halves`, 4 a texel, as they are; the format is kRgba16f, no array.
+  /// Uploads whole rows of a level unchanged, from 4 halves per texel. The format is kRgba16f; the texture is not an
+  /// array.
   void upload_rows(int level, int first_row, int row_count, const std::uint16_t* halves);
-  /// All of one layer of an array.
+  /// Uploads one whole layer of an array.
   void upload_layer(int level, int layer, const float* rgba);
-  /// All layers of a level of an array, one behind the other, of kRgba16f, kRgba8 or kBc5, as they lie.
+  /// Uploads all layers of a level of an array unchanged, one after another. The format is kRgba16f, kRgba8 or kBc5.
   void upload_bytes(int level, const std::vector<std::uint8_t>& bytes);
-  /// What the texture, which is no array, holds, as floats.
+  /// Returns a level as floats. The texture is not an array.
   std::vector<float> read_level(int level) const;
 
   void bind(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), id_); }
@@ -62,7 +63,7 @@ class Texture {
 
  private:
   void upload(int level, int layer, const float* rgba);
-  // Owns the name before anything can throw.
+  // Creates the name before anything can throw.
   Texture(const GlFunctions& gl, std::string name, const TextureShape& shape);
 
   const GlFunctions* gl_;

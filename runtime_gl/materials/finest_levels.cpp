@@ -28,12 +28,12 @@ void FinestLevels::upload(const GlFunctions& gl, const LeftOutLevels& levels, co
                           const SamplerSettings& sampler) {
   if (levels.first_level == 0) return;
   if (source == nullptr || source->width != levels.width || source->height != levels.height)
-    throw Error(ErrorCode::kInput, "the finest levels of the baked map are not stored: found " +
+    throw Error(ErrorCode::kInput, "the baked map does not store its finest levels: found " +
                                        (source == nullptr ? std::string("no normal map")
                                                           : "a normal map of " + std::to_string(source->width) + " x " +
                                                                 std::to_string(source->height)) +
-                                       ", expected the one of " + std::to_string(levels.width) + " x " +
-                                       std::to_string(levels.height) + " texels that was baked");
+                                       ", expected the baked normal map of " + std::to_string(levels.width) + " x " +
+                                       std::to_string(levels.height) + " texels");
   normals_.emplace(upload_map(gl, "the normal map", levels, source->normals, sampler));
   if (levels.has_colours && !source->albedo.empty())
     albedo_.emplace(upload_map(gl, "the albedo map", levels, source->albedo, sampler));

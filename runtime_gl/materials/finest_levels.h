@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The levels that a baked file leaves to the normal map (docs/reference/file_format.md, "The finest levels"), as
-// textures of that map: levels 0 to the first that is stored less one.
+// Textures of the normal map for the levels that a baked file does not store (docs/reference/file_format.md, "The
+// finest levels"): level 0 to the level before the first stored one.
 #pragma once
 
 #include <optional>
@@ -13,16 +13,17 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Of the map that was baked.
+/// Levels of the baked map that the file does not store.
 struct LeftOutLevels {
   int width, height;
-  int first_level;  // the finest that is stored
+  int first_level;  // the finest stored level
   bool has_colours;
 };
 
 class FinestLevels {
  public:
-  /// Once; nothing where all levels are stored. Throws Error(kInput) when `source` is needed and null, or of another
+  /// Call once. Does nothing if all levels are stored. Throws Error(kInput) if `source` is needed but null or of
+  /// another
   /// size.
   void upload(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
               const SamplerSettings& sampler);
@@ -33,7 +34,7 @@ class FinestLevels {
 
  private:
   std::optional<Texture> normals_;  // (mean normal, 1)
-  std::optional<Texture> albedo_;   // where the file has colours, and the source
+  std::optional<Texture> albedo_;   // if both the file and the source have colours
 };
 
 }  // namespace multum::gl

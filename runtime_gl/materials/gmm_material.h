@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of planar Gaussians on the GPU (Tan et al. 2005): the textures of lobes, shaded by Tan's BRDF
+// A baked file of planar Gaussians on the GPU (Tan et al. 2005): textures of lobes, shaded by Tan's BRDF
 // (shaders/surface/gmm.glsl).
 #pragma once
 
@@ -17,7 +17,7 @@ class GmmMaterial : public MovmfMaterial {
   int budgeted_lobes() const override { return 0; }
 };
 
-/// Of what the mipmap's lobes are.
+/// Returns a GmmMaterial or a MovmfMaterial, depending on the mipmap's lobe family.
 std::unique_ptr<MovmfMaterial> make_lobe_material(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                                                   const NormalImage* source = nullptr);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Material of a surface: the textures of one representation of its normals, and the GLSL that reads them
-// (shaders/common/reflection.glsl says what that must have). The renderer knows no representation by name.
+// Material of a surface: the textures of one representation of its normals, and the GLSL that reads them.
+// shaders/common/reflection.glsl lists the functions that this GLSL must define. The renderer does not depend on any
+// representation.
 #pragma once
 
 #include <optional>
@@ -11,38 +12,40 @@
 
 namespace multum::gl {
 
-/// GLSL of a shader's variant: each flag becomes one #define, texts follow each other.
+/// GLSL of a shader's variant: each flag becomes one #define, and the texts follow one another.
 struct ShaderParts {
   std::vector<std::string> flags;
-  std::vector<const char*> texts;  // of embedded_shaders.h
+  std::vector<const char*> texts;  // from embedded_shaders.h
 };
 
 class Material {
  public:
   virtual ~Material() = default;
-  /// In messages: "movmf".
+  /// Returns the name used in messages, such as "movmf".
   virtual const char* name() const = 0;
-  /// The file of surface/, after what it needs of common/ and brdf/.
+  /// Returns the file of surface/, preceded by the files of common/ and brdf/ that it needs.
   virtual ShaderParts shader_parts() const = 0;
-  /// Gives textures units from 0 on and the shader's samplers these units, and sets uniforms of its own. Returns the
-  /// first unit that is free.
+  /// Binds textures to units from 0 on, assigns these units to the shader's samplers, and sets the material's uniforms.
+  /// Returns the first free unit.
   virtual int bind(const ShaderProgram& shader) const = 0;
-  /// The order to which the surface takes the BRDF's zonal coefficients (u_zonal), or -1: it takes none.
+  /// Returns the order to which the surface uses the BRDF's zonal coefficients (u_zonal), or -1 if it does not use
+  /// them.
   virtual int zonal_order() const { return -1; }
-  /// Weights of basis BRDFs that it has, 0 to 4.
+  /// Returns the number of its blend weights of basis BRDFs, 0 to 4.
   virtual int weight_count() const { return 0; }
-  /// What is drawn from now on is of the basis BRDF of this number, times its weight; unset: as if there were none.
+  /// Draws from now on only the basis BRDF with this number, times its weight. If unset, ignores the weights.
   void set_basis(std::optional<int> number) { basis_ = number; }
-  /// Lobes that a pixel's evaluations may be spent on, or on points (shaders/common/evaluations.glsl); 0: none.
+  /// Returns the number of lobes that a pixel's evaluations may be spent on, instead of on points
+  /// (shaders/common/evaluations.glsl); 0: none.
   virtual int budgeted_lobes() const { return 0; }
-  /// One normal a sample: an environment is sampled around it, by brute force.
+  /// Returns whether each sample has one normal, around which an environment is sampled by brute force.
   virtual bool samples_light() const { return false; }
-  /// One texel a sample, drawn from those that the texture's filter takes at the pixel's middle: every sample looks
-  /// there.
+  /// Returns whether each sample has one texel, drawn from those that the texture's filter reads at the pixel's middle.
+  /// Samples are then not shifted within the pixel.
   virtual bool samples_footprint() const { return false; }
 
  protected:
-  /// For shader_parts(): MULTUM_BASIS says which weight.
+  /// Adds MULTUM_BASIS, the number of the weight, for shader_parts().
   void add_basis_flag(ShaderParts& parts) const {
     if (basis_) parts.flags.push_back("MULTUM_BASIS " + std::to_string(*basis_));
   }

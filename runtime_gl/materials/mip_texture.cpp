@@ -6,7 +6,7 @@
 namespace multum::gl {
 namespace {
 
-/// One output texel covers [x W/w, (x+1) W/w) of W input texels: its inputs and their shares, summing to 1.
+/// Input texels and their shares (sum 1) of an output texel, which covers [x W/w, (x+1) W/w) of W input texels.
 struct Coverage {
   int first;
   std::vector<float> shares;
@@ -26,7 +26,7 @@ std::vector<Coverage> coverage(int from, int to) {
   return all;
 }
 
-/// The next coarser level.
+/// Returns the next coarser level.
 TexelPlane halve(const TexelPlane& fine) {
   TexelPlane coarse{std::max(1, fine.width / 2), std::max(1, fine.height / 2), {}};
   const std::vector<Coverage> columns = coverage(fine.width, coarse.width);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes textures whose mip levels are averaged here: normals, slopes, colours. Not the baked file's: its levels are
-// data.
+// Makes textures whose mip levels are averaged here: normals, slopes, colours. Textures of a baked file are not made
+// here, because their levels are data.
 #pragma once
 
 #include <vector>
@@ -11,15 +11,16 @@
 
 namespace multum::gl {
 
-/// Row-major, row 0 first.
+/// A plane of texels, row-major, row 0 first.
 struct TexelPlane {
   int width;
   int height;
   std::vector<glm::vec4> texels;
 };
 
-/// RGBA32F with levels 0 to `level_count` - 1, each the box-filtered level above it. (Of the level above, not of the
-/// finest texels: for sizes that are no powers of two the weights are those of any mip generator.)
+/// Uploads an RGBA32F texture with levels 0 to `level_count` - 1, each the box-filtered previous level. Levels do not
+/// average the finest texels directly, so for sizes that are not powers of two the weights are those of any mip
+/// generator.
 Texture upload_mips(const GlFunctions& gl, const char* name, TexelPlane plane, int level_count,
                     const SamplerSettings& sampler);
 

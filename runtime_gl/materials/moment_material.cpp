@@ -25,12 +25,12 @@ void check_levels(const MomentMipmap& mipmap) {
                       mipmap.levels[index].colours.size() == (header.has_colours ? texels : 0) &&
                       mipmap.levels[index].weights.size() == texels * static_cast<std::size_t>(header.weight_count);
     if (!good)
-      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map has not " +
+      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map does not have " +
                                          std::to_string(width) + " x " + std::to_string(height) + " texels of moments");
   }
 }
 
-// A texture whose level 0 is the first level that is stored; texel(level, i) of each.
+// Makes a texture from texel(level, i); its level 0 is the first stored level.
 template <typename TexelOf>
 Texture upload(const GlFunctions& gl, const char* name, const MomentMipmap& mipmap, const SamplerSettings& sampler,
                const TexelOf& texel) {

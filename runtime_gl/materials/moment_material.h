@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of moments on the GPU (docs/reference/file_format.md, "Moments"): a texture of the mean normal with the
-// moment E[b_s b_t], one of the other slope moments, and one of colours if the file has them. Level for level as they
-// are in the file. Levels that the file leaves to the normal map are textures of that map.
+// A baked file of moments on the GPU (docs/reference/file_format.md, "Moments"): a texture of the mean normal and the
+// moment E[b_s b_t], a texture of the other slope moments, and one of colours if the file has them. The levels are
+// those of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>
@@ -15,16 +15,16 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// How moments are shaded (shaders/common/moment_shading.glsl).
+/// Shading methods of moments (shaders/common/moment_shading.glsl).
 enum class MomentShading { kToksvig, kLean, kLeanJacobian };
 
-/// The flags of surface/normals.glsl.
+/// Returns the flags of surface/normals.glsl.
 ShaderParts moment_shader_parts(MomentShading shading);
 
 class MomentMaterial : public Material {
  public:
-  /// half -> RGBA16F, float -> RGBA32F. `source`: the map that was baked; needed, and used, when the file's first level
-  /// is not 0. Throws Error(kInput) when a level has not the texels that it should, or `source` is missing or of
+  /// Uses RGBA16F for half and RGBA32F for float. `source`: the baked map; needed, and used, only if the file's first
+  /// level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or of
   /// another size.
   MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap, float anisotropy,
                  const NormalImage* source = nullptr);
@@ -39,7 +39,7 @@ class MomentMaterial : public Material {
  private:
   std::optional<Texture> weights_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // with roughness in
+  std::optional<float> mean_cosine_;  // if roughness is included
   std::optional<Texture> means_;      // E[n]; w = E[b_s b_t]
   std::optional<Texture> slopes_;     // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
   std::optional<Texture> colours_;

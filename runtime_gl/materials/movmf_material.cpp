@@ -15,11 +15,11 @@ namespace {
 void check_mipmap(const MovmfMipmap& mipmap) {
   const auto lobe_count = static_cast<std::size_t>(mipmap.lobe_count());
   if (lobe_count < 1 || lobe_count > kLobeCountMax)
-    throw Error(ErrorCode::kInput, "a baked map with " + std::to_string(lobe_count) + " lobes; 1 to " +
-                                       std::to_string(kLobeCountMax) + " can be drawn");
+    throw Error(ErrorCode::kInput, "cannot draw a baked map with " + std::to_string(lobe_count) +
+                                       " lobes: expected 1 to " + std::to_string(kLobeCountMax));
   if (mipmap.header.first_level < 0 || static_cast<std::size_t>(mipmap.header.first_level) >= mipmap.levels.size())
-    throw Error(ErrorCode::kInput, "a baked map of " + std::to_string(mipmap.levels.size()) +
-                                       " levels whose first is level " + std::to_string(mipmap.header.first_level));
+    throw Error(ErrorCode::kInput, "cannot draw a baked map of " + std::to_string(mipmap.levels.size()) +
+                                       " levels: its first level is " + std::to_string(mipmap.header.first_level));
   for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     const MovmfLevel& level = mipmap.levels[l];
     const int width = mip_level_size(mipmap.width(), static_cast<int>(l));
@@ -33,13 +33,13 @@ void check_mipmap(const MovmfMipmap& mipmap) {
     for (const auto& weights : level.weights)
       good = good && weights.size() == texels * static_cast<std::size_t>(mipmap.header.weight_count);
     if (!good)
-      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map is not " +
+      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map does not have " +
                                          std::to_string(width) + " x " + std::to_string(height) + " texels of " +
                                          std::to_string(lobe_count) + " lobes");
   }
 }
 
-// A texture's level 0 is the first level that is stored.
+// A texture's level 0 is the first stored level.
 void upload_colours(Texture& texture, const MovmfMipmap& mipmap, std::size_t lobe) {
   for (int l = 0; l < texture.shape().level_count; ++l) {
     const std::vector<glm::vec3>& colours =

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file on the GPU: one texture a lobe (a r, a), and one a lobe for premultiplied colours if the file has them.
-// Level for level as they are in the file; trilinear filtering of these values is exact
-// (host/formats/asset/lobes/movmf_mipmap.h). Levels that the file leaves to the normal map are textures of that map
+// A baked file on the GPU: one texture per lobe (a r, a), and one per lobe of premultiplied colours if the file has
+// them.
+// The levels are those of the file; trilinear filtering of these values is exact
+// (host/formats/asset/lobes/movmf_mipmap.h). Textures of the normal map replace levels that the file does not store
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once
 
@@ -18,43 +19,43 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// snorm16 -> RGBA16_SNORM, half -> RGBA16F, float -> RGBA32F.
+/// Returns RGBA16_SNORM for snorm16, RGBA16F for half, RGBA32F for float.
 TexelFormat texel_format(StorageEncoding encoding);
 
 enum class LobeFormula {
-  kProduct,  // mean cosines multiplied (docs/contributing/ALGORITHMS.md)
-  kPaper,    // Han et al. 2007, equation 20 and Algorithm 2; of Blinn-Phong
+  kProduct,  // multiplies mean cosines (docs/contributing/ALGORITHMS.md)
+  kPaper,    // Han et al. 2007, equation 20 and Algorithm 2; only for Blinn-Phong
 };
 
 enum class DrawnNoise {
   kBlue,   // host/formats/sampling/blue_noise.h
-  kWhite,  // a hash of each pixel: for comparison
+  kWhite,  // a hash of each pixel, for comparison
 };
 
 class MovmfMaterial : public Material {
  public:
-  /// `source`: the map that was baked; needed, and used, when the mipmap's first level is not 0. Throws Error(kInput)
-  /// when the mipmap has no levels, their sizes do not halve as they should, or `source` is missing or of another size.
+  /// `source`: the baked map; needed, and used, only if the mipmap's first level is not 0. Throws Error(kInput) if the
+  /// mipmap has no levels, their sizes do not halve correctly, or `source` is missing or of another size.
   MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                 const NormalImage* source = nullptr);
 
-  /// The lobes of `texture`, of which `mipmap` was unpacked, from now on as they lie on a GPU.
+  /// Replaces the lobe textures by `texture`, the GPU format that `mipmap` was unpacked from.
   void set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy);
 
   void set_formula(LobeFormula formula) { formula_ = formula; }
-  /// Shades the lobes of each texel of a trilinear footprint and mixes what comes of them, instead of mixing lobes: for
-  /// lobes that are not aligned. Of files that begin at level 0.
+  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes: for lobes
+  /// that are not aligned. Only for files that begin at level 0.
   void set_shade_first(bool shade_first);
 
-  /// Where level 0 is magnified, draws the surface that an interpolated normal map shows, instead of the light of the
-  /// texels around. Of files that begin at level 0, without roughness in; planar Gaussians do not.
+  /// Where level 0 is magnified, draws the surface of an interpolated normal map instead of mixing the light of the
+  /// surrounding texels. Only for files that begin at level 0, without roughness; not for planar Gaussians.
   void set_magnified(bool magnified);
 
-  /// One normal a pixel and frame, drawn from the lobes by amplitude: what a renderer that keeps one normal has. Drawn
-  /// by Renderer::draw_reference(), a frame a sample; without environments and shade_first.
+  /// Draws one random normal per pixel and frame, from a lobe chosen by amplitude, as a renderer that stores one normal
+  /// does. Use with Renderer::draw_reference(), one frame per sample; not with environments or shade_first.
   void set_drawn(const GlFunctions& gl, DrawnNoise noise);
 
-  /// Linear colours of the map's texels, filtered plainly, for all lobes alike: of mipmaps without colours.
+  /// Sets linear colours of the map's texels, plainly filtered and shared by all lobes, for mipmaps without colours.
   void set_mean_colours(Texture colours);
 
   const char* name() const override { return "movmf"; }
@@ -68,19 +69,19 @@ class MovmfMaterial : public Material {
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
  protected:
-  /// The flags and texts that fetch lobes, whatever they are.
+  /// Returns the flags and texts that fetch lobes of any family.
   ShaderParts fetch_parts() const;
 
  private:
-  std::vector<Texture> lobes_;  // none where there are layers
+  std::vector<Texture> lobes_;  // empty if there are layers
   std::optional<Texture> layers_;
   std::vector<LobeUnpacking> unpacking_;
-  bool has_black_border_ = false;  // of layers: amplitudes fall to 0 there
+  bool has_black_border_ = false;  // of layers: amplitudes fall to 0 at the border
   int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // with roughness in
+  std::optional<float> mean_cosine_;  // if roughness is included
   FinestLevels finest_;
   std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;

@@ -20,7 +20,7 @@
 namespace multum::gl {
 namespace {
 
-// As bakes of moments have it: one texel at the horizon must not drown its neighbours.
+// Limits slopes as bakes of moments do: one texel at the horizon must not dominate its neighbours.
 glm::vec2 slope(const glm::vec3& n) {
   const float z = std::max(n.z, kSlopeZMin);
   return {-n.x / z, -n.y / z};
@@ -32,7 +32,7 @@ glm::vec3 finest_normal(const glm::vec3& mean, bool has_roughness) {
   return has_roughness ? mean / std::max(size, 1.0f) : mean / size;
 }
 
-// c = 1 - alpha^2 / 2, alpha = roughness^2 (host/formats/image/material_maps.h), solved for the roughness.
+// Solves c = 1 - alpha^2 / 2, alpha = roughness^2 (host/formats/image/material_maps.h), for the roughness.
 float roughness_of_length(float size) { return std::pow(2.0f * std::clamp(1.0f - size, 0.0f, 0.5f), 0.25f); }
 
 TexelPlane weight_plane(const NormalImage& image) {

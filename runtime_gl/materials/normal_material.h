@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest normals as textures, for reference pictures and for what users have today: averaged normals (with
-// Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All in RGBA32F: a baseline's errors are its own, not
-// storage's.
+// The finest normals as textures, for reference pictures and for the methods that users have today: averaged normals
+// (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All are RGBA32F, so that a baseline's errors
+// come from its method and not from storage.
 #pragma once
 
 #include <optional>
@@ -17,39 +17,39 @@
 
 namespace multum::gl {
 
-/// The finest level, as a caller hands it in. Rows from the image's top.
+/// The finest level, passed in by a caller. Rows start at the image's top.
 struct NormalImage {
   int width = 0;
   int height = 0;
-  std::vector<glm::vec3> normals;  // unit, tangent space; shorter where `has_roughness`
+  std::vector<glm::vec3> normals;  // unit, tangent space; shorter if `has_roughness`
   std::vector<glm::vec3> albedo;   // linear; empty: white
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
-  bool has_roughness = false;       // lengths of normals are a BRDF's width
-  int weight_count = 0;             // of basis BRDFs
-  std::vector<float> weights = {};  // as many a texel
+  bool has_roughness = false;       // lengths of normals hold a BRDF's width
+  int weight_count = 0;             // number of basis BRDFs
+  std::vector<float> weights = {};  // weight_count per texel
 };
 
-/// Level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless there is
-/// roughness in, and the sums of its colours and weights.
+/// Returns level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless roughness
+/// is included, and the sums of its colours and weights.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
-/// The same of a file of moments, and of one of spherical harmonics.
+/// Return level 0 of a file of moments, and of a file of spherical harmonics, in the same way.
 NormalImage finest_normals(const MomentMipmap& mipmap);
 NormalImage finest_normals(const ShMipmap& mipmap);
 
-/// What users have today, from averages.
+/// Methods that users have today, computed from averages.
 enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// References: kNearest: level 0 alone, its texels as facets. kBlended: one of the four texels around, drawn by
-  /// their bilinear weights (what the filter of level 0 averages). kInterpolated: the normal between the four.
-  /// kFootprint: a texel that the scene's TextureFilter averages (exact distributions, common/footprint.glsl).
-  /// Baselines: kMipmapped: box-filtered mips.
+  /// References: kNearest uses only level 0, its texels as facets. kBlended draws one of the four surrounding texels by
+  /// their bilinear weights, which level 0's filter averages. kInterpolated uses the normal between the four.
+  /// kFootprint draws a texel that the scene's TextureFilter averages (exact distributions, common/footprint.glsl).
+  /// Baselines: kMipmapped uses box-filtered mips.
   enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
-  /// Of what is mipmapped.
+  /// Sets the method that shades mipmapped textures.
   void set_baseline(Baseline baseline);
 
   const char* name() const override { return slopes_.has_value() ? "baseline" : "reference"; }
@@ -66,7 +66,7 @@ class NormalMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   bool has_roughness_ = false;
-  // Of what is mipmapped: (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map, beside unit
+  // Only with kMipmapped: (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map, used with unit
   // normals.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;

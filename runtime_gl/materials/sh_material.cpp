@@ -29,7 +29,7 @@ void check_levels(const ShMipmap& mipmap) {
     for (std::size_t part = 0; good && part < mipmap.levels[index].parts.size(); ++part)
       good = mipmap.levels[index].parts[part].size() == texels;
     if (!good)
-      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map has not " +
+      throw Error(ErrorCode::kInput, "level " + std::to_string(l) + " of the baked map does not have " +
                                          std::to_string(width) + " x " + std::to_string(height) +
                                          " texels of spherical harmonics");
   }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): one array of
-// textures, four coefficients a layer, and textures of colours and of weights of basis BRDFs if the file has them. An
-// array, since a shader has 16 samplers for sure and order 8 takes 20. Level for level as they are in the file. Levels
-// that the file leaves to the normal map are textures of that map.
+// textures with four coefficients per layer, and textures of colours and of weights of basis BRDFs if the file has
+// them.
+// An array is needed because a shader is only guaranteed 16 samplers, and order 8 takes 20. The levels are those of the
+// file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>
@@ -18,16 +19,16 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// What the highlight is multiplied by for the cosine of its normals (shaders/surface/sh.glsl).
+/// Cosines that multiply the highlight for the cosine of its normals (shaders/surface/sh.glsl).
 enum class ShCosine { kMeanNormal, kMeanDirection, kIrradiance };
 
-/// The flags that common/sh_shading.glsl needs.
+/// Returns the flags that common/sh_shading.glsl needs.
 std::vector<std::string> sh_shading_flags(int order);
 
 class ShMaterial : public Material {
  public:
-  /// half -> RGBA16F, float -> RGBA32F. `source`: the map that was baked; needed, and used, when the file's first level
-  /// is not 0. Throws Error(kInput) when a level has not the texels that it should, or `source` is missing or of
+  /// Uses RGBA16F for half and RGBA32F for float. `source`: the baked map; needed, and used, only if the file's first
+  /// level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or of
   /// another size.
   ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anisotropy, const NormalImage* source = nullptr);
 
@@ -45,7 +46,7 @@ class ShMaterial : public Material {
   std::optional<Texture> harmonics_, colours_, weights_;
   FinestLevels finest_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // where a BRDF's width is in
+  std::optional<float> mean_cosine_;  // if a BRDF's width is included
   ShCosine cosine_ = ShCosine::kIrradiance;
 };
 

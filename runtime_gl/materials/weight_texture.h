@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights of basis BRDFs as a texture, a channel each, whatever else a baked file's texels are.
+// Weights of basis BRDFs as a texture, one channel each, for baked files of any representation.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace multum::gl {
 
-/// `levels`: of each the weights, `weight_count` a texel; RGBA16F, or RGBA32F of files that hold floats.
+/// `levels`: the weights of each level, `weight_count` per texel. Uses RGBA16F, or RGBA32F for files that hold floats.
 Texture upload_weights(const GlFunctions& gl, const char* name, const TextureShape& shape,
                        const SamplerSettings& sampler, int weight_count,
                        const std::vector<const std::vector<float>*>& levels);
 
-/// Uploads those of a mipmap that holds one set of weights per texel.
+/// Uploads the weights of a mipmap that holds one set of weights per texel.
 template <typename Mipmap>
 Texture upload_weights(const GlFunctions& gl, const TextureShape& shape, const SamplerSettings& sampler,
                        const Mipmap& mipmap) {

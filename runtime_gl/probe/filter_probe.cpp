@@ -30,13 +30,14 @@ struct Entry {
   float weight;
 };
 
-// Texels of a level that a footprint is first taken to reach: anisotropy a along a line of a texels, and bilinear
-// filtering one more.
+// Returns the number of texels of a level that a footprint is first assumed to reach: anisotropy a along a line of a
+// texels, plus one texel for bilinear filtering.
 int first_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? static_cast<int>(std::ceil(sampler.anisotropy)) + 3 : 2;
 }
 
-// And at most: an ellipse of llvmpipe's reaches 2 a texels to both sides, as its level is rounded down.
+// Returns the largest such number: an ellipse of llvmpipe reaches 2 a texels to both sides, because its level is
+// rounded down.
 int last_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? 4 * static_cast<int>(std::ceil(sampler.anisotropy)) + 8 : 2;
 }
@@ -45,14 +46,14 @@ ShaderSources probe_sources(std::vector<std::string> flags) {
   return {"filter_probe", std::move(flags), {shader_textured_vert}, {shader_filter_probe_frag}};
 }
 
-// Four values in 0..1 a texel, without order.
+// Returns one of four pseudo-random values from 0 to 1 per texel.
 float witness_value(int texel, int channel) {
   const std::uint64_t bits = split_mix(4u * static_cast<std::uint64_t>(texel) + static_cast<std::uint64_t>(channel));
   return static_cast<float>(bits >> 40) * 0x1p-24f;
 }
 
-// The texels of one draw's classes: textures 0 and 1 mark them, 2 and 3 hold the low digit of their numbers + 1, 4 and
-// 5 the high digit. Or the witness: random values in texture 0.
+// Textures of one draw. For classes, textures 0 and 1 mark their texels, 2 and 3 hold the low digit of the texels'
+// numbers + 1, and 4 and 5 hold the high digit. For the witness, texture 0 holds random values.
 class ProbeTextures {
  public:
   ProbeTextures(const GlFunctions& gl, const MipLayout& layout, const TextureShape& shape,
@@ -100,7 +101,7 @@ class ProbeTextures {
   std::vector<Texture> textures_;
 };
 
-// The rectangle of a band that the object covers; width 0: none.
+// Returns the rectangle of a band that the object covers; width 0 if it covers nothing.
 PixelRectangle covered_part(const FloatImage& place) {
   int left = place.width, right = -1, top = place.height, bottom = -1;
   for (int y = 0, i = 0; y < place.height; ++y)
@@ -115,7 +116,7 @@ PixelRectangle covered_part(const FloatImage& place) {
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
-// What was measured of the covered part of a band, and how its entries find their texels.
+// Measurements of the covered part of a band, and the search for the texel of each entry.
 class BandDecoder {
  public:
   BandDecoder(const MipLayout& layout, int level_count, const TexelClasses& classes, const TextureMapping& mapping,
@@ -123,14 +124,14 @@ class BandDecoder {
       : layout_(layout), level_count_(level_count), classes_(classes), mapping_(mapping), span_(span) {}
 
   PixelRectangle part;
-  FloatImage place;    // of the part
-  FloatImage witness;  // the same of the witness texture
+  FloatImage place;    // place of each sub-pixel of the part
+  FloatImage witness;  // the witness texture's values there
   std::vector<std::array<FloatImage, kProbeBuffers>> draws;
 
   bool is_covered(std::size_t i) const { return place.rgba[4 * i + 3] > 0.5f; }
 
-  // Appends the entries of sub-pixel i of the part; false when they do not sum to 1, or not give what the GL made of
-  // the witness texture.
+  // Appends the entries of sub-pixel i of the part. Returns false if they do not sum to 1, or do not reproduce the
+  // value that GL read from the witness texture.
   bool decode(std::size_t i, std::vector<Entry>& entries) const {
     float sum = 0.0f;
     const std::size_t begin = entries.size();
@@ -179,8 +180,8 @@ class BandDecoder {
     return nearest_of_class(of_class, low_digit, high_digit, i);
   }
 
-  // The texel of a class that is nearest to the texture coordinate, in the level whose parity the class has; where two
-  // are about as near, the one that the digits name more nearly.
+  // Returns the texel of a class that is nearest to the texture coordinate, in the level whose parity the class has.
+  // Among texels at about the same distance, prefers the one closest to the digits.
   int nearest_of_class(int of_class, float low_digit, float high_digit, std::size_t i) const {
     const double s = static_cast<double>(place.rgba[4 * i]), t = static_cast<double>(place.rgba[4 * i + 1]);
     const double lod = std::clamp(static_cast<double>(place.rgba[4 * i + 2]), 0.0, level_count_ - 1.0);
@@ -197,7 +198,7 @@ class BandDecoder {
           const int ty = wrapped(y0 + dy, level.height, mapping_.wrap_t);
           if (classes_.class_of(l, tx, ty) != of_class) continue;
           const int texel = level.offset + ty * level.width + tx;
-          // Digits are off by rounding over the weight; a hundredth of a texel is beyond what coordinates err.
+          // Digits have an error of rounding divided by weight; errors of coordinates are below a hundredth of a texel.
           const double gap = std::max({0.0, std::abs(x - (x0 + dx)) - 1.0, std::abs(y - (y0 + dy)) - 1.0});
           const double digits = std::abs(static_cast<double>((texel + 1) % kDigit) - static_cast<double>(low_digit)) +
                                 std::abs(static_cast<double>((texel + 1) / kDigit) - static_cast<double>(high_digit));
@@ -222,7 +223,7 @@ class BandDecoder {
   int span_;
 };
 
-// Sorts by texel and adds up what is of one.
+// Sorts entries by texel and adds up the entries of one texel.
 void merge(std::vector<Entry>& entries) {
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.texel < b.texel; });
   std::size_t end = 0;
@@ -233,7 +234,7 @@ void merge(std::vector<Entry>& entries) {
   entries.resize(end);
 }
 
-// Rows of the matrix that come from one row of pixels.
+// Rows of the matrix from one row of pixels.
 struct PixelRows {
   std::vector<std::uint32_t> pixels, sizes;
   std::vector<float> coverage;
@@ -252,9 +253,9 @@ void append(FilterMatrix& matrix, const PixelRows& rows) {
   }
 }
 
-// The rows of one row of pixels: sub-pixels' rows averaged over those that the object covers, which is the box filter
-// over the pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top`: first sub-pixel row of
-// the band in the picture.
+// Averages the rows of the sub-pixels that the object covers, for one row of pixels. This is the box filter over the
+// pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top`: first sub-pixel row of the band in
+// the picture.
 PixelRows decode_pixel_row(const BandDecoder& band, int y, int top, int supersampling, int width) {
   PixelRows rows;
   std::vector<Entry> pixel;
@@ -306,7 +307,7 @@ FilterProbe::FilterProbe(const GlFunctions& gl, int width, int height, int super
       probe_(gl, probe_sources({})),
       occluder_(gl, probe_sources({"MULTUM_OCCLUDER"})) {}
 
-// What stays the same while classes are made wider.
+// Values that stay the same while classes are made wider.
 struct FilterProbe::Pass {
   const std::vector<PlacedMesh>& objects;
   std::size_t object;
@@ -366,10 +367,10 @@ FilterMatrix FilterProbe::probe_with_span(const Pass& pass, int span) const {
   const TexelClasses classes(pass.layout, pass.level_count, span);
   const int draw_count = (classes.class_count() + kClassesADraw - 1) / kClassesADraw;
   const int sub_height = height_ * supersampling_, band_height = framebuffer_.height();
-  // Bands lie from below; the matrix's rows from above.
+  // Bands are counted from below, the matrix's rows from above.
   for (int bottom = (sub_height - 1) / band_height * band_height; bottom >= 0; bottom -= band_height) {
     BandDecoder band(pass.layout, pass.level_count, classes, pass.mapping, span);
-    const int top = sub_height - bottom - band_height;  // negative: the buffer's first rows are beyond the picture
+    const int top = sub_height - bottom - band_height;  // negative: the buffer's first rows are outside the picture
     const int hidden = std::max(0, -top);
     pass.textures.upload_witness();
     draw_band(pass, bottom);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the filter matrix of texture inference from the GL itself (Hakura et al. 2000, section 3.2, "Obtaining
-// matrix A"). The paper sets every sixth texel of every third level at once and renders 108 times; here all texels are
-// set at once. A texel is of one of a few classes (texel_classes.h), and no footprint holds two texels of a class: one
-// draw measures eight classes in as many channels, with two digits of the texel's number beside, as the paper keeps
-// identifiers in other channels. One draw is enough for trilinear filtering of even sizes.
+// Measures the filter matrix of texture inference with GL itself (Hakura et al. 2000, section 3.2, "Obtaining matrix
+// A").
+// The paper sets every sixth texel of every third level at once and renders 108 times; here all texels are set at once.
+// Each texel belongs to one of a few classes (texel_classes.h), and no footprint holds two texels of a class. One draw
+// measures eight classes in as many channels, and two digits of the texel's number in other channels, as the paper does
+// with identifiers. Trilinear filtering of even sizes needs only one draw.
 //
-// Departures: float buffers make the paper's correction of truncated rows needless. Identifiers are weight * digit, so
-// tiny weights cannot name their texel: these are placed by the texture coordinate, where the digits only choose
-// between neighbours. How far an anisotropic footprint reaches is the driver's affair: every row is checked against a
-// draw of a random texture, and classes are made wider while more than a thousandth of the rows fail. A row that fails
-// in the end or does not sum to 1 is left out and counted.
+// Departures: with float buffers the paper's correction of truncated rows is not needed. Identifiers are weight *
+// digit, so a tiny weight cannot identify its texel. Such texels are found by the texture coordinate, and the digits
+// only choose between neighbours. The reach of an anisotropic footprint depends on the driver. So every row is checked
+// against a draw of a random texture, and classes are made wider while more than a thousandth of the rows fail. A row
+// that still fails, or does not sum to 1, is left out and counted.
 #pragma once
 
 #include "host/fields/inferred/filter_matrix.h"
@@ -22,17 +23,17 @@ namespace multum::gl {
 
 struct ProbeSampler {
   float anisotropy = 1.0f;  // 1..16
-  bool has_mips = true;     // false: bilinear, level 0 alone
+  bool has_mips = true;     // false: bilinear, only level 0
 };
 
 class FilterProbe {
  public:
-  /// Pictures of width x height pixels, each of supersampling^2 sub-pixels. Throws Error(kEnvironment).
+  /// Draws pictures of width x height pixels with supersampling^2 sub-pixels each. Throws Error(kEnvironment).
   FilterProbe(const GlFunctions& gl, int width, int height, int supersampling);
 
-  /// The matrix of objects[object] with a texture as `mapping` says (size and wrap modes; the mesh's coordinates are
-  /// mapped already), where the other objects leave it visible. Provenance is the caller's to fill in. `threads`: of
-  /// decoding; the result does not depend on it.
+  /// Returns the matrix of objects[object] where the other objects leave it visible. `mapping` gives the texture's size
+  /// and wrap modes; the mesh's coordinates are already mapped. The caller fills in the provenance. `threads` is for
+  /// decoding and does not affect the result.
   FilterMatrix probe(const std::vector<PlacedMesh>& objects, std::size_t object, const TextureMapping& mapping,
                      const ProbeSampler& sampler, int threads) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh of an object, placed as one sample of an animation has it.
+// Mesh of an object at its place in one sample of an animation.
 #pragma once
 
 #include <glm/mat4x4.hpp>
@@ -13,8 +13,9 @@ struct PlacedMesh {
   glm::mat4 object_to_clip;
 };
 
-/// Rows of a supersampled picture that are drawn at a time, counted from below, even: buffers of at most
-/// 256 MiB. The probe and the pictures share it, since the place in the buffer enters the rounding of coordinates.
+/// Returns the number of rows of a supersampled picture that are drawn at a time, counted from below. The number is
+/// even and buffers take at most 256 MiB. The probe and the pictures share it, because the place in the buffer affects
+/// the rounding of coordinates.
 int band_row_count(int sub_width, int sub_height, int supersampling);
 
 }  // namespace multum::gl

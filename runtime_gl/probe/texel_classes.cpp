@@ -9,7 +9,7 @@ TexelBlocks::TexelBlocks(int texel_count, int span)
     : texel_count_(texel_count), block_count_(std::max(1, texel_count / span)) {}
 
 int TexelBlocks::class_of(int texel) const {
-  // Block b begins at ceil(b n / blocks): lengths differ by at most one.
+  // Block b begins at ceil(b n / blocks), so lengths differ by at most one.
   const auto begin = [&](int block) { return (block * texel_count_ + block_count_ - 1) / block_count_; };
   int block = static_cast<int>(static_cast<long long>(texel) * block_count_ / texel_count_);
   if (begin(block) > texel) --block;

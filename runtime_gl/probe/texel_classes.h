@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides texels into classes, so that no filter footprint holds two of one class: what a class weighs in a pixel is
-// then one texel's weight. A trilinear footprint is 2 x 2 texels in each of two successive levels: the parities of
-// column, row and level make 8 classes. Anisotropic footprints are wider and want more.
+// Divides texels into classes, so that no filter footprint holds two texels of a class. The weight of a class in a
+// pixel is then the weight of one texel. A trilinear footprint is 2 x 2 texels in each of two successive levels: the
+// parities of column, row and level make 8 classes. Anisotropic footprints are wider and need more classes.
 //
-// A level of n texels in a direction is cut into blocks, each at least `span` long, and a texel's class is its place in
-// its block: any `span` neighbours then have different classes, across the seam of a periodic texture too, whatever n
-// is (odd ones break plain parity). A level shorter than `span` is one block: every texel has a class of its own.
+// In each direction, a level of n texels is cut into blocks of at least `span` texels, and a texel's class is its place
+// in its block. Any `span` neighbours then have different classes, even across the seam of a periodic texture and for
+// any n (plain parity fails for odd n). A level shorter than `span` is one block: every texel has its own class.
 #pragma once
 
 #include <vector>
@@ -14,12 +14,12 @@
 
 namespace multum::gl {
 
-/// One direction of one level.
+/// Blocks of one level in one direction.
 class TexelBlocks {
  public:
   TexelBlocks(int texel_count, int span);
   int class_of(int texel) const;
-  /// Length of the longest block.
+  /// Returns the length of the longest block.
   int class_count() const { return (texel_count_ + block_count_ - 1) / block_count_; }
 
  private:
@@ -28,8 +28,8 @@ class TexelBlocks {
 
 class TexelClasses {
  public:
-  /// `span`: texels of a level that a footprint may reach in either direction, at least 2. `level_count`: of those
-  /// in `layout`, the ones that the sampler reads.
+  /// `span`: texels of a level that a footprint may reach in either direction, at least 2. `level_count`: number of
+  /// levels of `layout` that the sampler reads.
   TexelClasses(const MipLayout& layout, int level_count, int span);
   int class_of(int level, int x, int y) const;
   int class_count() const { return class_count_; }

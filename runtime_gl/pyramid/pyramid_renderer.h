@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws surfaces straight from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4), with
-// the level chosen here, by the driver, or not at all; and what such pictures are held to.
+// Draws surfaces directly from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4). The
+// level is chosen here, by the driver, or not at all. Also draws references and measures flicker.
 #pragma once
 
 #include <array>
@@ -20,31 +20,31 @@
 
 namespace multum::gl {
 
-/// Williams has d proportional to a pixel's width w, and leaves the factor open. A trilinear lookup at a level of
-/// texels as wide as w blurs with a variance of w^2 / 4: w^2 / 12 of the texel's box and w^2 / 6 of the tent between
-/// texels; a pixel's own box has w^2 / 12. At texels of w / sqrt(3) both are the same.
+/// Williams makes d proportional to a pixel's width w and leaves the factor open. A trilinear lookup at a level with
+/// texels of width w blurs with a variance of w^2 / 4: w^2 / 12 from the texel's box and w^2 / 6 from the tent between
+/// texels. A pixel's own box has w^2 / 12. With texels of width w / sqrt(3), both variances are equal.
 constexpr float kEqualVarianceBias = -0.79248125f;  // -log2(sqrt(3))
 
-/// How a map is looked up.
+/// Lookup methods of a map.
 enum class PyramidLookup {
-  kNearest,   // the nearest texel of the finest level: what Williams calls point sampling
+  kNearest,   // nearest texel of the finest level, which Williams calls point sampling
   kBilinear,  // four texels of the finest level
-  kLevel,     // trilinear, d as common/pyramid.glsl chooses it
-  kDriver,    // trilinear as the driver does it, with anisotropy if it is asked for
+  kLevel,     // trilinear, d chosen by common/pyramid.glsl
+  kDriver,    // trilinear by the driver, with anisotropy if requested
 };
 
-/// Every level of a pyramid as a texture: nearest for kNearest, else trilinear.
+/// Uploads every level of a pyramid as a texture: nearest filtering for kNearest, otherwise trilinear.
 Texture make_pyramid_texture(const GlFunctions& gl, const Pyramid& pyramid, PyramidLookup lookup, float anisotropy);
 
-/// What fragments see of the world: row by row right, up, towards the distant viewer.
+/// Axes of the view in the world, one per row: right, up, towards the distant viewer.
 using ViewFrame = std::array<glm::vec3, 3>;
 
 struct PyramidScene {
   Camera camera;
   float uv_scale = 1.0f;
   ViewFrame frame{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)};
-  glm::vec2 shift{0.0f};    // of the picture, pixels
-  float level_bias = 0.0f;  // added to the level of kLevel and kDriver
+  glm::vec2 shift{0.0f};    // shift of the picture in pixels
+  float level_bias = 0.0f;  // added to the level by kLevel and kDriver
 };
 
 /// Distant lights on one Blinn-Phong surface; up to kLightCountMax.
@@ -58,12 +58,13 @@ class PyramidRenderer {
  public:
   PyramidRenderer(const GlFunctions& gl, int width, int height) : gl_(gl), framebuffer_(gl, width, height) {}
 
-  /// `by_normal`: the map is one of reflectance.
+  /// `by_normal`: the map is a reflectance map.
   FloatImage draw(const Mesh& mesh, const Texture& map, PyramidLookup lookup, bool by_normal,
                   const PyramidScene& scene);
-  /// Red: the level as common/pyramid.glsl chooses it; green: as the driver does (textureQueryLod), not yet clamped.
+  /// Draws levels before clamping: red as chosen by common/pyramid.glsl, green as chosen by the driver
+  /// (textureQueryLod).
   FloatImage draw_levels(const Mesh& mesh, const Texture& map, bool by_normal, const PyramidScene& scene);
-  /// Shaded in the fragment, without a map.
+  /// Shades in the fragment shader, without a map.
   FloatImage draw_phong(const Mesh& mesh, const PhongLights& lights, const PyramidScene& scene);
 
  private:
@@ -75,7 +76,7 @@ class PyramidRenderer {
   std::map<std::string, std::unique_ptr<ShaderProgram>> programs_;
 };
 
-/// The mean of side x side pictures, each shifted by a fraction of a pixel: `draw(shift)` draws one.
+/// Returns the mean of side x side pictures, each shifted by a fraction of a pixel: `draw(shift)` draws one.
 template <typename Draw>
 FloatImage supersampled(int side, const Draw& draw) {
   FloatImage mean;
@@ -89,8 +90,9 @@ FloatImage supersampled(int side, const Draw& draw) {
   return mean;
 }
 
-/// How much pictures flicker beside what they should be, over several shifts: the root of the mean, over pixels, of the
-/// variance over shifts of picture - reference, in parts of the reference's mean value. Black references give 0.
+/// Measures the flicker of pictures relative to their references over several shifts. Returns the root of the mean,
+/// over pixels, of the variance over shifts of picture - reference, divided by the reference's mean value. Returns 0
+/// for black references.
 double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& references);
 
 }  // namespace multum::gl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF in a shader: files of shaders/brdf with its flag, uniforms and the table that GGX takes.
+// A BRDF in a shader: the files of shaders/brdf with its flag, its uniforms, and the table for GGX.
 #pragma once
 
 #include <map>
@@ -23,8 +23,8 @@ class BrdfShading {
  public:
   explicit BrdfShading(const GlFunctions& gl) : gl_(gl) {}
 
-  /// `zonal_order`: that of the material (Material::zonal_order). Takes texture units from `first_unit` on and returns
-  /// the next one that is free. Keeps what is fitted and integrated.
+  /// `zonal_order`: the material's order (Material::zonal_order). Uses texture units from `first_unit` on and returns
+  /// the next free one. Caches fits and integrals.
   int set(const ShaderProgram& shader, const Brdf& brdf, const std::shared_ptr<const RoughnessMap>& roughness,
           int zonal_order, int first_unit);
 
@@ -32,7 +32,7 @@ class BrdfShading {
   struct Numbers {
     float exponent;
     glm::vec3 total;
-    std::vector<glm::vec3> weights;               // of terms, where the shader takes them
+    std::vector<glm::vec3> weights;               // of terms, if the shader uses them
     std::vector<float> spreads;                   // as many
     std::map<int, std::vector<glm::vec3>> zonal;  // by order
   };

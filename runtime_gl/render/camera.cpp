@@ -23,14 +23,14 @@ glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2
 
 namespace {
 
-constexpr float kFilled = 0.94f;  // of the picture's half width and height, which the points fill
+constexpr float kFilled = 0.94f;  // share of the picture's half width and height that the points fill
 
 struct AxisPoint {
-  float x, z;  // along an axis of the picture, and towards the eye, from the middle
+  float x, z;  // x along an axis of the picture, z towards the eye, both from the middle
 };
 
-// How far back the eye has to be, at the offset that is best for it, for |x - offset| <= t (distance - z) to hold for
-// all points: x + t z <= t distance + offset and t z - x <= t distance - offset.
+// Returns the least distance of the eye, at the best offset, for which |x - offset| <= t (distance - z) holds for all
+// points: x + t z <= t distance + offset and t z - x <= t distance - offset.
 float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
   float most = -std::numeric_limits<float>::max(), least = most;
   for (const AxisPoint& p : points) {
@@ -40,11 +40,11 @@ float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
   return 0.5f * (most + least) / t;
 }
 
-// Where the eye has to be for the points to reach as far to one side of the picture as to the other: how far they reach
-// on both sides together falls as the offset grows.
+// Returns the eye's offset at which the points reach equally far to both sides of the picture. The sum of the two
+// reaches falls as the offset grows.
 float offset_to_centre(const std::vector<AxisPoint>& points, float distance, float radius) {
   float low = -radius, high = radius;
-  for (int step = 0; step < 20; ++step) {  // to a millionth of the radius
+  for (int step = 0; step < 20; ++step) {  // precise to a millionth of the radius
     const float offset = 0.5f * (low + high);
     float most = -std::numeric_limits<float>::max(), least = std::numeric_limits<float>::max();
     for (const AxisPoint& p : points) {
@@ -70,7 +70,7 @@ Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, f
   const glm::vec3 middle = 0.5f * (low + high);
   Camera camera;
   camera.up = up;
-  // With +Y up the front is +Z, as in glTF; with +Z up it is -Y.
+  // With +Y up the front is +Z, as in glTF; with +Z up the front is -Y.
   const glm::vec3 side = std::abs(up.x) < 0.9f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   const glm::vec3 front = glm::normalize(glm::cross(side, up));
   const glm::vec3 back = glm::normalize(0.5f * glm::cross(up, front) + 0.45f * up + front);
@@ -87,7 +87,7 @@ Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, f
     nearest = std::max(nearest, z);
     farthest = std::min(farthest, z);
   }
-  // Not inside of a point that looks at the eye.
+  // Keeps the eye in front of the nearest point.
   const float distance =
       std::max({distance_to_fit(across, tangent * aspect), distance_to_fit(upwards, tangent), nearest + 0.2f * radius});
   camera.target =
@@ -102,7 +102,7 @@ Camera moved_away(const Camera& camera, float factor) {
   Camera moved = camera;
   const glm::vec3 view = camera.eye - camera.target;
   moved.eye = camera.target + factor * view;
-  // Along the line of sight everything is as much farther off, or nearer.
+  // Change of the distance of every point along the line of sight.
   const float farther = (factor - 1.0f) * glm::length(view);
   moved.near_distance = farther > 0.0f ? camera.near_distance + farther : factor * camera.near_distance;
   moved.far_distance = camera.far_distance + std::max(farther, 0.0f);

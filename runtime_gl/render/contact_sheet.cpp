@@ -11,14 +11,14 @@ namespace {
 constexpr int kGlyphWidth = 5;
 constexpr int kGlyphHeight = 8;
 constexpr int kGlyphAdvance = kGlyphWidth + 1;
-constexpr int kMargin = 2;         // around a label; this and the glyph's sizes are pixels at scale 1
-constexpr int kGlyphScaleMax = 2;  // where the pictures are wide enough for it
+constexpr int kMargin = 2;         // around a label; this and the glyph's sizes are in pixels at scale 1
+constexpr int kGlyphScaleMax = 2;  // used if the pictures are wide enough
 constexpr int kLabelHeight = kGlyphScaleMax * (kGlyphHeight + 2 * kMargin);
 constexpr int kGap = 4;
 
 struct Glyph {
   char letter;
-  const char* rows;  // eight rows of five, '#' = ink, the last one below the line
+  const char* rows;  // eight rows of five, '#' = ink; the last row is below the line
 };
 
 // clang-format off
@@ -88,7 +88,7 @@ void draw_glyph(FloatImage& sheet, const Glyph& glyph, int left, int top, int sc
       if (glyph.rows[y / scale * kGlyphWidth + x / scale] == '#') put_pixel(sheet, left + x, top + y, value);
 }
 
-/// Of the longest label, pixels at scale 1.
+/// Returns the width of the longest label in pixels at scale 1.
 int widest_label(const std::vector<std::vector<SheetCell>>& rows) {
   int width = 0;
   for (const std::vector<SheetCell>& row : rows)
@@ -114,7 +114,7 @@ void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, int 
 
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value) {
   MULTUM_CHECK(!rows.empty() && !rows[0].empty());
-  // No label is cut: a small picture gets smaller letters, and a cell wider than itself where these are too wide too.
+  // No label is cut: a small picture gets smaller letters, and a cell wider than the picture if these are too wide too.
   const int label_width = widest_label(rows);
   const int scale = kGlyphScaleMax * label_width <= rows[0][0].image.width ? kGlyphScaleMax : 1;
   const int cell_width = std::max(rows[0][0].image.width, scale * label_width) + kGap;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures side by side, each under a line of text.
+// Draws pictures next to each other, each below a line of text.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct SheetCell {
   FloatImage image;
 };
 
-/// Rows of cells, all images of one size; a row may be shorter than the first. Labels are always whole: cells are as
-/// wide as the longest one where the images are narrower. `label_value`: the letters' grey.
+/// Draws rows of cells with images of one size; a row may be shorter than the first. Labels are never cut: if the
+/// images are narrower than the longest label, cells have its width. `label_value`: the letters' grey value.
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value);
 
 }  // namespace multum::gl

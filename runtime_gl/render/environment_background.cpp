@@ -13,9 +13,9 @@
 namespace multum::gl {
 namespace {
 
-constexpr int kSamplesASide = 2;  // a pixel: maps are rarely finer than pictures
+constexpr int kSamplesASide = 2;  // per pixel; maps are rarely finer than pictures
 
-// Between texel centres; across, the map is a ring.
+// Interpolates between texel centres; the map wraps horizontally.
 glm::vec3 radiance(const EnvironmentMap& map, glm::dvec2 st) {
   const double x = st.x * map.width - 0.5, y = std::clamp(st.y * map.height - 0.5, 0.0, map.height - 1.0);
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(y);
@@ -37,7 +37,7 @@ FloatImage environment_background(const RenderScene& scene, int width, int heigh
   const EnvironmentMap& map = scene.environment->map;
   const std::array<glm::vec3, 3> axes = environment_axes(scene);
   const glm::mat4 inverse = glm::inverse(view_projection(scene.camera, width, height, glm::vec2(0.0f)));
-  // Directions are linear over the picture, before they are normalised.
+  // Directions are linear over the picture before they are normalised.
   const auto at_far = [&](float x, float y) {
     const glm::vec4 far = inverse * glm::vec4(x, y, 1.0f, 1.0f);
     return glm::dvec3(glm::vec3(far) / far.w - scene.camera.eye);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the environment that a camera sees where nothing stands before it.
+// Draws the environment that a camera sees where no object covers it.
 #pragma once
 
 #include "runtime_gl/gl/framebuffer.h"
@@ -7,10 +7,10 @@
 
 namespace multum::gl {
 
-/// Of a scene that has an environment. Alpha is 1.
+/// The scene must have an environment. Alpha is 1.
 FloatImage environment_background(const RenderScene& scene, int width, int height);
 
-/// The picture before the background, which shows as far as alpha, the picture's coverage, leaves it. Alpha is then 1.
+/// Puts the picture in front of the background, weighted by alpha, the picture's coverage. The result's alpha is 1.
 FloatImage before_background(const FloatImage& picture, const FloatImage& background);
 
 }  // namespace multum::gl

@@ -20,7 +20,7 @@
 namespace multum::gl {
 namespace {
 
-// View directions that L' is made for: nodes of a grid over the picture.
+// Grid over the picture; L' is computed for the view directions of its nodes.
 constexpr int kGridColumns = 9, kGridRows = 7;
 constexpr SamplerSettings kClamped{WrapMode::kClamp, WrapMode::kClamp, true, 1.0f};
 
@@ -94,7 +94,7 @@ EnvironmentShading::Tables EnvironmentShading::make_tables(const Brdf& brdf) con
   if (tables.empty()) return made;
   for (const ReflectionEntry& e : tables[0]) texels.emplace_back(glm::vec3(static_cast<float>(e.fresnel)), 0.0f);
   const int planes = static_cast<int>(tables.size()) + 1;
-  made.texture.emplace(*gl_, "what lobes reflect",
+  made.texture.emplace(*gl_, "reflection tables",
                        TextureShape{kReflectionCosineCount, planes * kReflectionSpreadCount, 1, TexelFormat::kRgba32f},
                        kClamped);
   made.texture->upload_level(0, &texels[0].x);

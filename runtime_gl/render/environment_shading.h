@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene's environment in a shader: its maps, and the tables that go with the BRDF and the camera.
+// A scene's environment in a shader: its maps, and the tables for the BRDF and the camera.
 #pragma once
 
 #include <array>
@@ -14,44 +14,45 @@
 
 namespace multum::gl {
 
-/// Directions that a pixel's environment is sampled in, of each kind, where there is one normal a sample.
+/// Number of directions of each kind in which a pixel samples its environment, if each sample has one normal.
 constexpr int kEnvironmentSampleCount = 32;
 
-/// The environment's x, y and z in the world: y is up; -z, the map's middle, is ahead of who looks over the plane z = 0
-/// along y, or at a mesh from the front; then all are turned by the scene's environment_turn.
+/// Returns the environment's x, y and z axes in the world. y is up. -z, the map's middle, points ahead for a viewer who
+/// looks along y over the plane z = 0, or at a mesh from the front. The scene's environment_turn then rotates all axes.
 std::array<glm::vec3, 3> environment_axes(const RenderScene& scene);
 
-/// `samples_light`: that of the material. Nothing without an environment.
+/// `samples_light`: that of the material. Returns nothing without an environment.
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light);
 
 class EnvironmentShading {
  public:
   explicit EnvironmentShading(const GlFunctions& gl) : gl_(&gl) {}
 
-  /// Gives textures units from `unit` on. Keeps what is still right from the call before.
+  /// Binds textures to units from `unit` on. Keeps data that is still valid from the last call.
   void set(const ShaderProgram& shader, const RenderScene& scene, bool samples_light, glm::ivec2 viewport, int unit);
 
-  /// Of what samples light: the directions of the picture's sample number `sample`.
+  /// Sets the directions of sample number `sample` of the picture, for materials that sample light.
   void set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const;
 
-  /// Processor time of set() since the last call: what an environment or a camera that changes costs besides drawing.
+  /// Returns the processor time of set() since the last call: the cost of a changing environment or camera, in addition
+  /// to drawing.
   double take_processor_seconds() { return std::exchange(processor_seconds_, 0.0); }
 
  private:
   void set_parts(const ShaderProgram& shader, const RenderScene& scene, bool samples_light, glm::ivec2 viewport,
                  int unit);
   void set_map(const RenderScene& scene);
-  // What lobes reflect of an environment by a BRDF.
+  // Light of an environment that lobes reflect by a BRDF.
   struct Tables {
     std::vector<float> term_spreads;
-    std::optional<Texture> texture;     // none of Lambert
-    std::vector<glm::vec3> half_zonal;  // to kHalfVectorOrder, where asked for
+    std::optional<Texture> texture;     // none for Lambert
+    std::vector<glm::vec3> half_zonal;  // to kHalfVectorOrder, if requested
   };
   Tables make_tables(const Brdf& brdf) const;
   void set_half_vector_light(const RenderScene& scene, glm::ivec2 viewport);
 
   const GlFunctions* gl_;
-  std::shared_ptr<const EnvironmentLight> light_;  // what map_ holds
+  std::shared_ptr<const EnvironmentLight> light_;  // the environment in map_
   std::optional<Texture> map_;
   KeptOfBrdf<Tables> tables_;
   std::optional<Texture> half_vector_light_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Caches what takes long to make of a BRDF, fits and tables, for the last few of them: objects of several BRDFs then do
-// not make it anew in every frame, and a BRDF that moves leaves no more than those behind.
+// Caches data that takes long to compute from a BRDF, such as fits and tables, for the last few BRDFs. So objects of
+// several BRDFs do not repeat the work in every frame, and a changing BRDF leaves only a few entries.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace multum::gl {
 
-/// Whether light is reflected alike but for colours.
+/// Returns whether two BRDFs reflect light in the same way, apart from colours.
 inline bool same_reflection(const Brdf& a, const Brdf& b) {
   return a.kind == b.kind && a.f0 == b.f0 && a.term_count == b.term_count && a.measured == b.measured &&
          std::all_of(std::begin(kBrdfNumbers), std::end(kBrdfNumbers),
@@ -24,7 +24,8 @@ class KeptOfBrdf {
  public:
   static constexpr std::size_t kMost = 16;
 
-  /// That of a BRDF that reflects alike, else `make(brdf)`; stays where it is for kMost - 1 others.
+  /// Returns the value of a BRDF with the same reflection, or else of `make(brdf)`. The address stays valid until kMost
+  /// other BRDFs were used.
   template <typename Make>
   Value& of(const Brdf& brdf, const Make& make) {
     const auto found =
@@ -36,7 +37,7 @@ class KeptOfBrdf {
   }
 
  private:
-  std::list<std::pair<Brdf, Value>> kept_;  // the last used one last
+  std::list<std::pair<Brdf, Value>> kept_;  // the most recently used is last
 };
 
 }  // namespace multum::gl

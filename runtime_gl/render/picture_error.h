@@ -6,7 +6,7 @@
 
 namespace multum::gl {
 
-/// Over the RGB of all pixels, linear.
+/// Error over the linear RGB of all pixels.
 struct PictureError {
   double relative_l1 = 0.0;  // sum |picture - reference| / sum reference; 0.05 = 5 %
   double rmse = 0.0;         // square root of the mean squared difference
@@ -14,8 +14,8 @@ struct PictureError {
 
 PictureError picture_error(const FloatImage& picture, const FloatImage& reference);
 
-/// |picture - reference| times `gain`, alpha 1.
+/// Returns |picture - reference| times `gain`, with alpha 1.
 FloatImage difference_image(const FloatImage& picture, const FloatImage& reference, float gain = 1.0f);
-constexpr float kDifferenceGain = 4.0f;  // of differences to look at
+constexpr float kDifferenceGain = 4.0f;  // for difference images that people look at
 
 }  // namespace multum::gl

@@ -12,7 +12,8 @@ namespace {
 constexpr double kGaussianSigma = 0.5;
 constexpr double kGaussianRadius = 1.5;
 
-// The normal distribution's cumulative function, solved by bisection: it is called twice a sample of a whole picture.
+// Inverts the normal distribution's cumulative function by bisection, which is called only twice per sample of a
+// picture.
 double gaussian_offset(double u) {
   const auto cumulative = [](double x) { return 0.5 * std::erfc(-x / (kGaussianSigma * std::sqrt(2.0))); };
   const double low_tail = cumulative(-kGaussianRadius);

@@ -12,35 +12,36 @@
 
 namespace multum::gl {
 
-/// How a pixel weighs what lies around its middle. Box: its own area, 1 pixel wide. Tent: 2 pixels wide. Gaussian:
-/// standard deviation 1/2 pixel, cut off at 1.5 pixels.
+/// Weights of a pixel's surroundings. Box: its own area, 1 pixel wide. Tent: 2 pixels wide. Gaussian: standard
+/// deviation 1/2 pixel, cut off at 1.5 pixels.
 enum class PixelFilter { kBox, kTent, kGaussian };
 
 constexpr double kReferenceNoise = 0.005;        // relative L1
-constexpr int kReferenceSampleCountMax = 65536;  // where the noise stays above what is asked for
-constexpr int kReferenceBatch = 64;              // samples between looks at the noise
+constexpr int kReferenceSampleCountMax = 65536;  // limit if the noise stays above its target
+constexpr int kReferenceBatch = 64;              // samples between measurements of the noise
 
 struct ReferenceSampling {
-  int sample_count = 0;                // per pixel, 1 to kReferenceSampleCountMax; 0: as many as `noise_max` takes
+  int sample_count = 0;                // per pixel, 1 to kReferenceSampleCountMax; 0: until `noise_max` is reached
   double noise_max = kReferenceNoise;  // relative L1, > 0
   PixelFilter filter = PixelFilter::kBox;
 };
 
-/// From the pixel's middle, in pixels: Roberts' R2 sequence, multiples of 1/g and 1/g^2, g^3 = g + 1, which is evenly
-/// spread for every count, taken through the inverse of the filter's distribution in each direction.
+/// Returns a sample's offset from the pixel's middle, in pixels. Roberts' R2 sequence (multiples of 1/g and 1/g^2, g^3
+/// = g + 1), which is evenly spread for every count, goes through the inverse of the filter's distribution in each
+/// direction.
 glm::vec2 reference_offset(PixelFilter filter, int sample);
 
-/// Sums batches of samples in double, in two halves that alternate. The halves' difference measures the noise of the
-/// whole: for independent errors the mean of both is off by half of what they differ by.
+/// Sums batches of samples in double precision, alternating between two halves. The difference of the halves measures
+/// the noise of the whole: for independent errors, the error of their mean is half of their difference.
 class ReferenceSum {
  public:
   ReferenceSum(int width, int height);
 
-  /// `sum`: of `sample_count` pictures.
+  /// `sum`: the sum of `sample_count` pictures.
   void add(const FloatImage& sum, int sample_count);
   int sample_count() const { return counts_[0] + counts_[1]; }
-  /// Relative L1 of the RGB of all pixels: sum |a - b| / 2 over sum (a + b) / 2, a and b the means of the halves;
-  /// infinite before the second batch. 0 where everything is black.
+  /// Returns the relative L1 of the RGB of all pixels: sum |a - b| / 2 over sum (a + b) / 2, where a and b are the
+  /// means of the halves. Infinite before the second batch; 0 if everything is black.
   double noise() const;
   FloatImage mean() const;
 

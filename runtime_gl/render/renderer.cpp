@@ -30,7 +30,7 @@ void append_filter(const TextureFilter& filter, const Material& material, Shader
   const int evaluations = filter.evaluations != kEvaluationsOfLobes ? filter.evaluations
                           : lobes > 1                               ? evaluations_of_lobes(lobes)
                                                                     : 0;
-  const bool samples_light = material.samples_light();  // it is drawn many times and averaged
+  const bool samples_light = material.samples_light();  // drawn many times and averaged
   MULTUM_CHECK(filter.taps >= 1 && filter.taps <= kTapCountMax);
   MULTUM_CHECK(evaluations >= 0 && evaluations <= kEvaluationsMax);
   if (filter.is_turned && !samples_light) sources.flags.push_back("MULTUM_TURNED");
@@ -118,7 +118,7 @@ void Renderer::draw_shifted(const ShaderProgram& shader, const Mesh& mesh, const
 
 namespace {
 
-// How long the driver drew, by its own clock.
+// Measures the driver's drawing time by its own clock.
 class DrawTimer {
  public:
   explicit DrawTimer(const GlFunctions& gl) : gl_(gl) { gl_.CreateQueries(GL_TIME_ELAPSED, 1, &query_); }
@@ -166,7 +166,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScen
     shaders.push_back(&program(*objects[i].material, scenes[i]));
   }
   const glm::mat4 matrix = view_projection(scene.camera, framebuffer_.width(), framebuffer_.height(), glm::vec2(0.0f));
-  // Of one object, what does not change from frame to frame is set once.
+  // With a single object, state that does not change from frame to frame is set once.
   if (objects.size() == 1) set_scene(*shaders[0], *objects[0].material, scenes[0]);
   framebuffer_.bind();
   gl_.Enable(GL_DEPTH_TEST);
@@ -182,7 +182,7 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScen
       objects[i].mesh->draw();
     }
   };
-  // Drivers compile a shader when it first draws, if only a pixel.
+  // Drivers compile a shader at its first draw, even of a single pixel.
   gl_.Enable(GL_SCISSOR_TEST);
   gl_.Scissor(0, 0, 1, 1);
   draw_objects();
@@ -238,7 +238,7 @@ Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, con
   gl_.Finish();
   const Stopwatch stopwatch;
   const bool is_fixed = sampling.sample_count > 0;
-  // Two batches at least, so that there is a measure of the noise.
+  // The noise can only be measured from two batches on.
   const int batch = is_fixed ? std::min(kReferenceBatch, (sampling.sample_count + 1) / 2) : kReferenceBatch;
   const int count_max = is_fixed ? sampling.sample_count : kReferenceSampleCountMax;
   ReferenceSum sum(framebuffer_.width(), framebuffer_.height());
@@ -261,7 +261,7 @@ Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, con
     begin = end;
     const double noise = sum.noise();
     const bool is_done = end == count_max || (!is_fixed && is_pair && noise <= sampling.noise_max);
-    // The noise falls about as the count to the power 3/4 does.
+    // The noise falls with about the power -3/4 of the sample count.
     const double share = is_done    ? 1.0
                          : is_fixed ? static_cast<double>(end) / count_max
                                     : std::min(0.99, std::pow(sampling.noise_max / noise, 4.0 / 3.0));

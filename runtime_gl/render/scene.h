@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes what is drawn and how, as plain settings.
+// Settings of a scene: its camera, lights, environment, BRDF and texture filter.
 #pragma once
 
 #include <memory>
@@ -24,34 +24,33 @@ struct Light {
 
 struct PointLight {
   glm::vec3 position{0.0f, 0.0f, 1.0f};
-  glm::vec3 intensity{1.0f};  // irradiance at distance 1 of a surface that faces it
+  glm::vec3 intensity{1.0f};  // irradiance on a facing surface at distance 1
 };
 
-/// How lobes take the highlight of an environment.
+/// Methods for the highlight of lobes under an environment.
 enum class EnvironmentMode {
   kHarmonics,    // Han et al. 2007, section 8, to order 8
-  kPrefiltered,  // mips convolved with vMFs, by the spread of what is reflected
+  kPrefiltered,  // mips convolved with vMFs, chosen by the spread of the reflected directions
 };
 
-/// How mip-mapped textures are looked up over a pixel (shaders/common/texture_filter.glsl). Defaults:
-/// docs/evidence/FILTER.md.
+/// Lookup of mip-mapped textures over a pixel (shaders/common/texture_filter.glsl). Defaults: docs/evidence/FILTER.md.
 struct TextureFilter {
-  int taps = kTapCountDefault;  // trilinear lookups along the longer axis at most, 1..kTapCountMax
+  int taps = kTapCountDefault;  // most trilinear lookups along the longer axis, 1 to kTapCountMax
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
-  bool shades_taps = kShadesTapsDefault;  // each tap is shaded by itself; else what they return is averaged first
-  bool is_drivers = false;                // the driver's own sampler instead: its anisotropy, no bias
-  int evaluations = 0;     // of the material in a pixel, a power of two, 1..kEvaluationsMax; 0: by taps, as above;
+  bool shades_taps = kShadesTapsDefault;  // shades each tap separately; else averages the taps and shades once
+  bool is_drivers = false;                // uses the driver's own sampler instead: its anisotropy, no bias
+  int evaluations = 0;     // of the material per pixel, a power of two, 1 to kEvaluationsMax; 0: by taps, as above;
                            // kEvaluationsOfLobes
-  bool is_turned = false;  // normals turn within a pixel, as a mesh's do: shaders/scene.frag
+  bool is_turned = false;  // normals turn within a pixel, as on a mesh: shaders/scene.frag
 };
 
 constexpr int kEvaluationsMax = 16;
-constexpr int kEvaluationsOfLobes = -1;  // evaluations_of_lobes(Material::budgeted_lobes()); 0 of less than two lobes
+constexpr int kEvaluationsOfLobes = -1;  // evaluations_of_lobes(Material::budgeted_lobes()); 0 below two lobes
 
-/// So many of lobes that are evaluated once each: the next power of two, kEvaluationsMax at most.
+/// Returns the evaluations for lobes that are evaluated once each: the next power of two, at most kEvaluationsMax.
 int evaluations_of_lobes(int lobe_count);
 
-/// Perceptual roughness, 0..1, row 0 on top; over the same coordinates as the map.
+/// Perceptual roughness, 0 to 1, over the same coordinates as the map; row 0 at the top.
 struct RoughnessMap {
   int width = 1, height = 1;
   std::vector<float> texels;
@@ -64,10 +63,10 @@ struct RenderScene {
   std::vector<PointLight> point_lights;
   std::shared_ptr<const EnvironmentLight> environment;  // null: none
   EnvironmentMode environment_mode = EnvironmentMode::kPrefiltered;
-  glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit; what lies up in the map. With +Z, its middle lies along +Y
-  float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise as seen from there
+  glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit, the map's up direction; with +Z, the map's middle is at +Y
+  float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise seen from above
   Brdf brdf;
-  std::shared_ptr<const RoughnessMap> roughness;  // of GGX, times the BRDF's own, under lights; null: that alone
+  std::shared_ptr<const RoughnessMap> roughness;  // of GGX under lights, times the BRDF's roughness; null: 1
   TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };

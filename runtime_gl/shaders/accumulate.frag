@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands one sample's picture on; blending adds it to the sum. (Blending while drawing the mesh would also add surfaces
+// Outputs one sample's picture; blending adds it to the sum. (Blending while the mesh is drawn would also add surfaces
 // that a nearer triangle hides later.)
 uniform sampler2D u_picture;
 layout(location = 0) out vec4 o_colour;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts of the files in this folder, put into the program at build time; none has a version line.
+// Texts of the files in this folder, embedded at build time; none has a version line.
 #pragma once
 
 #include <map>
@@ -8,9 +8,9 @@
 
 namespace multum::gl {
 
-/// Those of brdf/, by file, "ggx.glsl"; each ends with a 0 beyond its view.
+/// Returns the texts of brdf/, keyed by file, such as "ggx.glsl"; each text is followed by a 0 byte after its view.
 const std::map<std::string, std::string_view>& brdf_shaders();
-/// The file must be there.
+/// Returns the text of a file that must exist.
 inline const char* brdf_shader_text(std::string_view file) { return brdf_shaders().at(std::string(file)).data(); }
 
 extern const char* const shader_common_movmf_shading_glsl;

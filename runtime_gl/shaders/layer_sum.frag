@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the texture of a layer from decoded images of a packed field: what host/fields/codec/decoder/texture_chunk and
-// mip_levels do, one texel a fragment. One of
-//   MULTUM_IMAGE_COUNT n   adds up n images, gamma-coded values; with MULTUM_IS_LAST as radiance, rounded to half, and
-//                          with MULTUM_HAS_SUM beside what passes before have added up
-//   MULTUM_MIP             a level from the next finer one: the mean of what each texel covers
+// Makes the texture of a layer from decoded images of a packed field, as host/fields/codec/decoder/texture_chunk and
+// mip_levels do, one texel per fragment. One of
+//   MULTUM_IMAGE_COUNT n   adds up n images, gamma-coded values; with MULTUM_HAS_SUM also the sum of earlier passes;
+//   with
+//                          MULTUM_IS_LAST converts the sum to radiance and rounds it to half
+//   MULTUM_MIP             a level from the next finer one: the mean of the texels that each texel covers
 uniform vec3 u_offset;
 #ifdef MULTUM_MIP
 uniform sampler2D u_finer;
@@ -18,8 +19,8 @@ uniform sampler2D u_sum;
 #endif
 layout(location = 0) out vec4 o_colour;
 
-// The nearest half, ties to even, of a value of at least 0. Done here since drivers may cut off what a half lacks, as
-// llvmpipe does (Mesa 22.3.6): a bias that mip levels would add up.
+// Returns the nearest half, ties to even, of a value of at least 0. Drivers may truncate to half instead, as llvmpipe
+// does (Mesa 22.3.6): mip levels would add up this bias.
 float multum_rounded_to_half(float value) {
   if (value < 6.103515625e-05) return roundEven(value * 16777216.0) / 16777216.0;  // multiples of 2^-24
   uint bits = floatBitsToUint(min(value, 65504.0));
@@ -31,7 +32,7 @@ vec3 multum_rounded_to_halves(vec3 values) {
   return vec3(multum_rounded_to_half(values.r), multum_rounded_to_half(values.g), multum_rounded_to_half(values.b));
 }
 
-// Which of n fine texels coarse texel i covers: the first, how many, and what up to three weigh.
+// Finds the fine texels, of n, that coarse texel i covers: the first, their number, and up to three weights.
 vec3 multum_cover(int n, int i, out int first, out int count) {
   first = n == 1 ? 0 : 2 * i;
   count = n == 1 ? 1 : 2 + n % 2;

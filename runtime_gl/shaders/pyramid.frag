@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface coloured from a pyramid, with nothing else in it.
-//   MULTUM_BY_NORMAL   coordinates are those of the normal in a reflectance map; else the surface's own
-//   MULTUM_LEVEL       the level as common/pyramid.glsl chooses it; MULTUM_FINEST: always 0; else as the driver does
-//   MULTUM_SHOW_LEVEL  the level itself instead: red as we choose it, green as the driver does, before it is clamped
-//   MULTUM_PHONG       no map at all: Blinn-Phong under distant lights for a distant viewer, the reference of such maps
+// A surface coloured only from a pyramid.
+//   MULTUM_BY_NORMAL   coordinates are those of the normal in a reflectance map; otherwise the surface's own
+//   MULTUM_LEVEL       the level chosen by common/pyramid.glsl; MULTUM_FINEST: always 0; otherwise the driver's level
+//   MULTUM_SHOW_LEVEL  the level itself instead, before clamping: red as chosen here, green as chosen by the driver
+//   MULTUM_PHONG       no map: Blinn-Phong under distant lights for a distant viewer, the reference of reflectance maps
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;

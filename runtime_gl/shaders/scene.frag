@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by one of brdf/,
-// its lights by light/ (common/reflection.glsl says how they meet). All vectors are taken to tangent space, where the
-// map's normals live.
+// Computes the light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by one of
+// brdf/, its lights by light/ (common/reflection.glsl describes their interface). All vectors are converted to tangent
+// space, the space of the map's normals.
 //
-// Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE averages it
-// over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
-// MULTUM_SHADE_TAPS: each tap of the texture's filter is shaded by itself, and what comes of them averaged.
-// MULTUM_EVALUATIONS n: as many evaluations of the material, by common/evaluations.glsl; MULTUM_TURNED: their lobes are
-// read at 2 x 2 places of the pixel at least, and turned by the frame of each.
+// Outgoing radiance: the sum over lights of the BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE averages it
+// over samples; the other variants include the average in their model: cosines per lobe, or of the averaged normal.
+// MULTUM_SHADE_TAPS: shades each tap of the texture's filter separately and averages the results.
+// MULTUM_EVALUATIONS n: n evaluations of the material, by common/evaluations.glsl. MULTUM_TURNED: reads their lobes at
+// 2 x 2 or more places of the pixel, and turns them by the frame of each place.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -18,7 +18,7 @@ uniform vec3 u_eye;
 layout(location = 0) out vec4 o_colour;
 
 #ifdef MULTUM_TURNED
-// Over one of `count` parts of the pixel. Takes derivatives.
+// Sets the turn variance over one of `count` parts of the pixel. Takes derivatives.
 void multum_take_turn(float count) {
   vec3 normal = normalize(v_normal);
   multum_turn_variance = multum_geometry_variance(dFdx(normal), dFdy(normal), count);
@@ -44,7 +44,7 @@ MultumSurface multum_fetch_at(vec2 place, MultumFootprint footprint) {
 }
 
 #if defined(MULTUM_TURNED) && defined(MULTUM_LOBES_ADD_UP)
-// Lobes of a part of the pixel about `middle`: of `places`, each in `frame`.
+// Returns the lobes of a part of the pixel about `middle`: the mean over `places`, each converted to `frame`.
 MultumSurface multum_fetch_turned(vec2 middle, vec2 part, vec2 places, mat3 frame, MultumFootprint footprint) {
   MultumSurface sum = multum_fetch_at(middle, footprint);
   for (int j = 0; j < MULTUM_PART_COUNT; ++j) sum.lobes[j] = vec4(0.0);
@@ -77,10 +77,10 @@ vec3 multum_evaluated() {
   finer = MultumFootprint(vec2(0.0), 1, multum_footprint_longer_lod(finer, multum_surface_size()) - 2.0);
   bool pays = multum_spread_of_all(multum_fetch_surface(v_st, finer)) > MULTUM_SPREAD_OF_LOBES;
 #ifdef MULTUM_NORMAL_MAP
-  // An octave nearer there are no lobes to spend on.
+  // One octave finer, the normal map replaces lobes, so there are none to evaluate.
   if (multum_normal_map_share(level - 1.0) > 0.0) pays = false;
 #elif !defined(MULTUM_MAGNIFIED)
-  // Between texels lies the light of those around, which are lobes.
+  // Between texels, the filter mixes the light of the surrounding texels, which are lobes.
   if (level < 1.0) pays = true;
 #endif
   if (pays) points = lobe_points;

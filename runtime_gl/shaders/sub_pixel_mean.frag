@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pixel from its MULTUM_SIDE^2 sub-pixels: their mean.
-uniform sampler2D u_sub_pixels;  // of rows of pixels from u_first_row on
+// Computes a pixel as the mean of its MULTUM_SIDE^2 sub-pixels.
+uniform sampler2D u_sub_pixels;  // rows of pixels from u_first_row on
 uniform int u_first_row;
 layout(location = 0) out vec4 o_radiance;
 

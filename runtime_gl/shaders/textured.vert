@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object with the texture that was inferred for it. Rows of textures start at the image's top, so t = 1 - v. The
-// probe and the pictures share this text: what is measured is what is drawn.
+// An object with its inferred texture. Rows of textures start at the image's top, so t = 1 - v. The probe and the
+// pictures share this text, so they draw the same geometry.
 layout(location = 0) in vec3 a_position;
 layout(location = 3) in vec2 a_uv;
 

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the bytes of a packed field come from: a URL that is read by ranges, a file that the reader of the page chose,
-// or bytes in the page itself. All have a `name` for messages, `read(offset, length, signal)`, and `size`, which is
-// known after the first read.
+// Sources of a packed field's bytes: a URL that is read by ranges, a file that the user chose, or bytes in the page.
+// Each has a `name` for messages, `read(offset, length, signal)`, and `size`, which is known after the first read.
 
 import { errorText } from "./error_text.js";
 
 const ATTEMPTS = 4;
-const FIRST_PAUSE_MS = 250; // doubled from attempt to attempt
-const SILENCE_MS = 20000; // without a byte: the connection counts as cut
-const BODY_BYTES_MAX = 2 ** 31; // of a server without ranges
+const FIRST_PAUSE_MS = 250; // doubles with each attempt
+const SILENCE_MS = 20000; // without a byte, the connection counts as cut
+const BODY_BYTES_MAX = 2 ** 31; // from a server without ranges
 
 export class FieldError extends Error {}
 
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Reads at most `limit` bytes of a response; fewer where it ends early, which `isCut` then says. */
+/** Reads at most `limit` bytes of a response. If it ends early, returns fewer and sets `isCut`. */
 async function bodyBytes(response, limit, abort) {
   const parts = [];
   let count = 0;
@@ -48,13 +47,13 @@ async function bodyBytes(response, limit, abort) {
   return { bytes, isCut };
 }
 
-/** A GET that is tried again while the network or the server fails. `counts.fetched` and `counts.retries` grow. */
+/** Sends a GET, and retries while the network or the server fails. Adds to `counts.fetched` and `counts.retries`. */
 class PatientRequest {
   constructor(url, name, counts) {
     Object.assign(this, { url, name, counts });
   }
 
-  /** `accept(response)` returns how many bytes are expected, at most, or throws FieldError for what cannot be used. */
+  /** `accept(response)` returns the most bytes to expect, or throws FieldError for an unusable response. */
   async run(headers, accept, signal) {
     let reason = "";
     for (let attempt = 0; attempt < ATTEMPTS; ++attempt) {
@@ -98,7 +97,7 @@ export class UrlSource {
     this.name = decodeURIComponent(new URL(this.url).pathname.split("/").pop()) || this.url;
     this.counts = counts;
     this.size = null;
-    this.whole = null; // of a server without ranges
+    this.whole = null; // whole file from a server without ranges
   }
 
   async read(offset, length, signal) {
@@ -114,7 +113,7 @@ export class UrlSource {
     return bytes.slice(offset, offset + length);
   }
 
-  /** Bytes that the answer to a range should have. */
+  /** Returns the number of bytes that the answer to a range should have. */
   expected(response, offset, length) {
     if (response.status === 206) {
       const [, first, total] = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "") ?? [];
@@ -130,13 +129,13 @@ export class UrlSource {
     if (response.status === 416) throw new FieldError(`${this.name}: ends before byte ${offset}`);
     if (response.status !== 200)
       throw new FieldError(`${this.name}: the server answered ${response.status}, expected 200 or 206`);
-    // Compressed on its way, the length says nothing of the file's.
+    // If the transfer is compressed, its length is not the file's length.
     const isPlain = !response.headers.get("Content-Encoding");
     return { least: isPlain ? Number(response.headers.get("Content-Length") ?? 0) : 0, most: BODY_BYTES_MAX };
   }
 }
 
-/** The whole body at a URL: geometry and the decoder. */
+/** Reads the whole body at a URL, for geometry and the decoder. */
 export async function wholeBody(url, name, counts, most) {
   const request = new PatientRequest(String(url), name, counts);
   const { bytes } = await request.run({}, (response) => {

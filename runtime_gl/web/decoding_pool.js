@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes textures in workers, the most wanted first. What is no longer wanted is not begun, and its bytes are no
-// longer fetched; a worker has one request at a time, so that a new wish waits for one texture at most. All textures
-// of a chunk go to one worker, which keeps it decoded.
+// Decodes textures in workers, the most wanted first. Textures that are no longer wanted are not started, and the
+// download of their bytes stops. A worker has one request at a time, so that a new wish waits for at most one texture.
+// All textures of a chunk go to one worker, which keeps the decoded chunk.
 
 import { errorText } from "./error_text.js";
 
@@ -9,8 +9,8 @@ const PER_WORKER_FETCHES = 2;
 
 export class DecodingPool {
   /**
-   * `makeWorker`: a new Worker. `wasm`: the module's bytes. `fetchSection(wish, signal)`: a chunk's bytes.
-   * `deliver(wish, levels, ms)`, `fail(wish, error)`: how each ends.
+   * `makeWorker`: returns a new Worker. `wasm`: the module's bytes. `fetchSection(wish, signal)`: fetches a chunk.
+   * Each wish ends with `deliver(wish, levels, ms)` or `fail(wish, error)`.
    */
   constructor({ count, makeWorker, wasm, fetchSection, deliver, fail }) {
     Object.assign(this, { fetchSection, deliver, fail, wishes: [], fetches: new Map(), sections: new Map() });
@@ -28,7 +28,7 @@ export class DecodingPool {
 
   get memory() { return this.workers.reduce((sum, slot) => sum + slot.memory, 0); }
 
-  /** All textures that are wanted now and not there, the most wanted first: replaces what was wanted before. */
+  /** Replaces the list of wanted, missing textures; the most wanted is first. */
   want(wishes) {
     this.wishes = wishes;
     const chunks = new Set(wishes.map((wish) => wish.chunk));
@@ -77,7 +77,7 @@ export class DecodingPool {
     this.work();
   }
 
-  /** No texture of the wish's chunk will come. */
+  /** Ends all wishes for textures of the wish's chunk. */
   drop(wish, error) {
     this.wishes = this.wishes.filter((one) => one.chunk !== wish.chunk);
     this.fail(wish, error);

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that decodes chunks of a packed field, one request after another. Decoded chunks stay, the last few, since
-// their other textures will be asked for; where the module's memory, which never shrinks, has grown too far, it starts
-// anew.
+// A worker that decodes chunks of a packed field, one request after another. It keeps the last few decoded chunks,
+// because the page will ask for their other textures. If the module's memory, which never shrinks, has grown too far,
+// the worker restarts the module.
 //
 //   gets { wasm }                                                 bytes of packed_field.wasm, once
-//   gets { id, chunk, bytes, texture, textures, width, height }   bytes: null where the chunk should still be here
+//   gets { id, chunk, bytes, texture, textures, width, height }   bytes: null if the worker should still have the chunk
 //   answers { id, levels, memory } | { id, isGone, memory } | { id, problem, memory }   levels: halves, all mip levels
 import { loadDecoder } from "./packed_field.js";
 import { chunkHead } from "./chunk_head.js";
 import { errorText } from "./error_text.js";
 
-const CHUNKS_MAX = 64; // more than a picture has, or each picture would decode them all again
+const CHUNKS_MAX = 64; // more than a picture needs; otherwise each picture would decode all its chunks again
 const MEMORY_BYTES_MAX = 128 * 2 ** 20;
 
 let wasm = null;
 let decoder = null; // promise
-const chunks = new Map(); // by name, the least recently used first
+const chunks = new Map(); // by name, least recently used first
 
 const restart = () => {
   chunks.clear();
@@ -29,7 +29,7 @@ async function decodedChunk({ chunk: name, bytes, textures, width, height }) {
   chunks.delete(name);
   if (chunk === undefined) {
     if (bytes === null) return null;
-    // Before anything is allocated for what a stranger's bytes say.
+    // Checks the head before allocating memory for sizes in untrusted bytes.
     const head = chunkHead(bytes);
     if (head.width !== width || head.height !== height || head.textures !== textures)
       throw new Error(`has ${head.textures} textures of ${head.width} x ${head.height}, ` +
@@ -51,7 +51,7 @@ async function answer(request) {
     return chunk === null ? { isGone: true } : { levels: chunk.radianceLevels(request.texture) };
   } catch (error) {
     const problem = errorText(error);
-    if (error instanceof WebAssembly.RuntimeError || /memory/.test(problem)) restart(); // its state is unknown
+    if (error instanceof WebAssembly.RuntimeError || /memory/.test(problem)) restart(); // the module's state is unknown
     return { problem };
   }
 }

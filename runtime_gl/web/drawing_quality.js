@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many sub-pixels are drawn while the position moves: fewer where frames take too long, more again where they do
-// not. Also how many frames a second there are.
+// Chooses the number of sub-pixels while the position moves: fewer if frames take too long, more if they do not. Also
+// measures frames per second.
 
 const SLOW_FRAME_MS = 45;
-const FAST_FRAME_MS = 20; // displays of 60 Hz show one every 16.7 ms
-const PAUSE_MS = 2000; // between two frames: nothing has moved meanwhile
+const FAST_FRAME_MS = 20; // displays of 60 Hz show a frame every 16.7 ms
+const PAUSE_MS = 2000; // after a longer gap between frames, the position has not moved meanwhile
 const FRAMES_LEAST = 3; // between two changes
-const NEWEST_SHARE = 0.35; // of the newest frame in the average
+const NEWEST_SHARE = 0.35; // weight of the newest frame in the average
 
 export class DrawingQuality {
-  /** `finest`: sub-pixels along a pixel's side, at most. */
+  /** `finest`: the most sub-pixels along a pixel's side. */
   constructor(finest) {
     Object.assign(this, { finest, side: finest, lastAt: -Infinity, frameMs: 0, frameCount: 0 });
   }
 
   get framesPerSecond() { return this.frameMs > 0 ? 1000 / this.frameMs : 0; }
 
-  /** A frame while the position moves begins, at `now` ms. */
+  /** Call when a frame begins, at `now` ms, while the position moves. */
   frame(now) {
     const ms = now - this.lastAt;
     this.lastAt = now;

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pages say of whatever was thrown, rejected or reported by an event.
+// Converts thrown, rejected or reported errors to text for the page.
 
 const textOf = (value) => (typeof value === "string" && value.trim() !== "" ? value.trim() : null);
 
 /**
- * Its message. Not all that is thrown is an Error with one: scripts throw texts and numbers, promises are rejected with
- * nothing, workers that cannot be loaded send an event without a message. `otherwise` is said of these, with the kind
- * of error where it has one.
+ * Returns the message. Not everything thrown is an Error with a message: scripts throw texts and numbers, promises
+ * reject with nothing, and workers that fail to load send an event without a message. For these, returns `otherwise`,
+ * with the kind of error if it has one.
  */
 export function errorText(thrown, otherwise = "the browser gives no reason") {
-  const inner = thrown?.error ?? thrown?.reason; // of an ErrorEvent, of a rejection
+  const inner = thrown?.error ?? thrown?.reason; // of an ErrorEvent or a rejection
   const found = textOf(thrown) ?? textOf(thrown?.message) ?? textOf(inner) ?? textOf(inner?.message);
   if (found !== null) return found;
   const name = textOf(thrown?.name) ?? textOf(inner?.name);
   return name === null || name === "Error" ? otherwise : `${otherwise} (${name})`;
 }
 
-/** Hands `say` the text of every error that nobody else takes. */
+/** Passes the text of every unhandled error to `say`. */
 export function sayUncaughtErrors(say) {
   for (const kind of ["error", "unhandledrejection"])
     addEventListener(kind, (event) => {
       const text = errorText(event);
-      // What a resize observer changed is drawn a frame later, which is no failure.
+      // A resize observer's changes are drawn one frame later, which is not a failure.
       if (!text.startsWith("ResizeObserver loop")) say(`Something in this page failed: ${text}. Reload the page.`);
     });
 }

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description of a packed field (docs/reference/packed_fields.md, "The description"), checked: strangers may have
-// written it, and
-// whoever draws relies on every index and size.
+// Checks the description of a packed field (docs/reference/packed_fields.md, "The description"). It may come from an
+// untrusted file, and drawing code relies on every index and size.
 import { FieldError } from "./byte_source.js";
 
 const SIDE_MAX = 16384;
 const SUPERSAMPLING_MAX = 8;
 const SAMPLES_MAX = 65536;
 const DIMENSIONS_MAX = 16;
-const LAYERS_MAX = 16; // of an object: units that every WebGL 2 has
+const LAYERS_MAX = 16; // per object: texture units that every WebGL 2 has
 const LIST_MAX = 1 << 20;
 
-/** Reads values of the expected kind; what is wrong is said with the place, as `objects[2].mesh`. */
+/** Reads values of the expected kind; errors name the place, such as `objects[2].mesh`. */
 class Checker {
   constructor(name) { this.name = name; }
 
@@ -44,7 +43,7 @@ class Checker {
   reals(value, where, count) {
     return this.list(value, where, count, count).map((one) => this.real(one, where));
   }
-  /** Rows to the sixteen numbers of a column-major matrix. */
+  /** Converts rows to the sixteen numbers of a column-major matrix. */
   matrix(value, where) {
     const rows = this.list(value, where, 4, 4).map((row) => this.reals(row, where, 4));
     return Float64Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
@@ -99,7 +98,7 @@ export class FieldDescription {
     return at.reduce((position, index, d) => position * this.sizes[d] + index, 0);
   }
 
-  /** The number of the sample at indices along each parameter. */
+  /** Returns the number of the sample at an index along each parameter. */
   sampleAt(at) { return this.sampleOfPosition[this.positionOf(at)]; }
 
   readObject(entry, i) {
@@ -145,7 +144,7 @@ export class FieldDescription {
     const layer = { name: check.text(entry.name, where), object, number: this.layers.length, blocks: [] };
     const unseen = new Set(check.list(entry.unseen, where).map((one) =>
       check.integer(one, where, 0, this.samples.length - 1)));
-    // Of each sample: its block, and which of the chunk's textures it has; -1: none.
+    // Each sample's block, and its texture in the block's chunk; -1: none.
     layer.blockOfSample = new Int32Array(this.samples.length).fill(-1);
     layer.textureOfSample = new Int32Array(this.samples.length);
     layer.isSeen = Uint8Array.from(this.samples, (_, i) => (unseen.has(i) ? 0 : 1));
@@ -191,7 +190,7 @@ export class FieldDescription {
     return count;
   }
 
-  /** The texture of a layer at a sample: `{ key, layer, block, texture }`; null where the object has none. */
+  /** Returns the texture of a layer at a sample: `{ key, layer, block, texture }`, or null if the object has none. */
   textureOf(layer, sample) {
     if (!layer.isSeen[sample]) return null;
     const block = layer.blocks[layer.blockOfSample[sample]];

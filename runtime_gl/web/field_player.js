@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a field: which textures a position in its parameters needs, which are fetched and decoded before, what is drawn
-// while some are not there yet. A position lies between samples; drawn is their mean by weights (multilinear), or the
-// nearest sample alone.
+// Plays a field: finds the textures that a position in its parameters needs, fetches and decodes textures ahead, and
+// draws while some are missing. A position between samples is drawn as their weighted mean (multilinear), or as the
+// nearest sample.
 import { DecodingPool } from "./decoding_pool.js";
 import { DrawingQuality } from "./drawing_quality.js";
 import { errorText } from "./error_text.js";
@@ -11,9 +11,9 @@ import { onNextFrame } from "./next_frame.js";
 import { PlayerGl, textureBytes } from "./player_gl.js";
 import { TextureStore } from "./texture_store.js";
 
-const REST_MS = 250; // without movement: then a picture is drawn as finely as the description says
-const AHEAD_SHARE = 0.8; // of the budget: textures that may be decoded before they are needed
-const CORNERS_MAX = 4; // samples that a picture is mixed of, at most: units of textures are few
+const REST_MS = 250; // after this time without movement, a picture is drawn as finely as the description says
+const AHEAD_SHARE = 0.8; // share of the budget for textures that are decoded before they are needed
+const CORNERS_MAX = 4; // most samples that a picture mixes, because texture units are few
 
 export class FieldPlayer {
   /**
@@ -26,15 +26,15 @@ export class FieldPlayer {
     this.position = description.sizes.map(() => 0);
     this.velocity = description.sizes.map(() => 0);
     this.isSmooth = true;
-    this.isFull = true; // draws in all sub-pixels at rest
+    this.isFull = true; // draws all sub-pixels at rest
     this.exposure = 1;
-    this.cancelFrame = null; // while a picture is to be drawn
+    this.cancelFrame = null; // set while a picture waits to be drawn
     this.movedAt = -Infinity;
     this.hasMoved = true; // since the last picture
     this.failed = new Set(); // names of chunks that are damaged or cannot be fetched
-    this.refused = new Set(); // keys of textures for which the budget has no room
+    this.refused = new Set(); // keys of textures that do not fit into the budget
     this.statistics = { frames: 0, decoded: 0, decodeMs: 0, misses: 0 };
-    this.meshesDrawn = new Set(); // keys of those in the last picture
+    this.meshesDrawn = new Set(); // keys of textures in the last picture
     this.store = new TextureStore(budget, (entry) => this.release(entry));
     this.checkObjects();
     this.startGl();
@@ -44,11 +44,11 @@ export class FieldPlayer {
     });
     this.lastDrawn = new Map(); // keys of textures by layer
     canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault(); // or it never comes back
+      event.preventDefault(); // otherwise the context never comes back
       showLoss(true);
     });
     canvas.addEventListener("webglcontextrestored", () => {
-      const { release } = this.store; // what is held went with the old context
+      const { release } = this.store; // the old context's textures are gone
       this.store.release = () => {};
       this.store.clear();
       this.store.release = release;
@@ -85,7 +85,7 @@ export class FieldPlayer {
 
   // ---- Where we are
 
-  /** Indices along each parameter, of any fraction; held to the grid. */
+  /** Sets the fractional index along each parameter, clamped to the grid. */
   moveTo(at) {
     const now = performance.now();
     const place = this.description.sizes.map((size, d) => Math.min(size - 1, Math.max(0, Number(at[d]) || 0)));
@@ -102,7 +102,7 @@ export class FieldPlayer {
 
   nearest() { return this.description.sampleAt(this.position.map((one) => Math.round(one))); }
 
-  /** Samples that the picture is mixed of, with weights that sum to 1, the heaviest first. */
+  /** Returns the samples that the picture mixes, with weights that sum to 1; the largest weight is first. */
   corners() {
     if (!this.isSmooth) return [{ sample: this.nearest(), weight: 1 }];
     let corners = [{ at: [], weight: 1 }];
@@ -134,7 +134,7 @@ export class FieldPlayer {
     this.requestDraw();
   }
 
-  /** Tries again what failed. */
+  /** Retries everything that failed. */
   retry() {
     this.failed.clear();
     this.want();
@@ -156,7 +156,7 @@ export class FieldPlayer {
       width, height, layer, block };
   }
 
-  /** Samples beside the nearest one: first the one that the movement goes to, along all parameters together. */
+  /** Returns samples next to the nearest one; first the one in the direction of movement along all parameters. */
   neighbours() {
     const { description, velocity } = this;
     const at = this.position.map((one) => Math.round(one));
@@ -208,7 +208,7 @@ export class FieldPlayer {
 
   nameOf({ layer, block }) { return `layer '${layer.name}' of object '${layer.object.name}', block ${block.number}`; }
 
-  /** What is in the picture, or will be next, is not given up for what comes. */
+  /** Returns whether a key is in the current or next picture, and so must not be removed for others. */
   isHeld(key) { return this.needed.has(key) || this.meshesDrawn.has(key); }
 
   deliver(wish, levels, ms) {
@@ -241,7 +241,7 @@ export class FieldPlayer {
     this.requestDraw();
   }
 
-  /** Whether all of the current picture's textures are there, or cannot be. */
+  /** Returns whether all textures of the current picture are present or cannot be loaded. */
   get isComplete() {
     return [...this.needed.keys()].every((key) => this.store.has(key) || this.refused.has(key));
   }
@@ -252,7 +252,8 @@ export class FieldPlayer {
     if (this.cancelFrame !== null) return;
     this.cancelFrame = onNextFrame((now) => {
       this.cancelFrame = null;
-      // Browsers take some pictures ahead of a slow driver: they would be shown late, and seem to be drawn at once.
+      // Browsers accept some pictures ahead of a slow driver: these would be shown late and their times measured too
+      // short.
       if (this.gl.isBusy()) this.requestDraw();
       else this.drawNow(now);
     });
@@ -273,7 +274,7 @@ export class FieldPlayer {
     return mesh;
   }
 
-  /** Adds the textures of a layer that are there to `drawn`; false where one that should be is missing. */
+  /** Adds a layer's present textures to `drawn`. Returns false if one that should be present is missing. */
   addLayer(layer, corners, mapping, drawn) {
     const { mappingOfSample } = layer.object;
     const shares = new Map(); // weights by key
@@ -285,7 +286,7 @@ export class FieldPlayer {
       else isAllThere = false;
     }
     let entries = [...shares];
-    if (entries.length === 0 && !isAllThere) // what was there last, better than nothing
+    if (entries.length === 0 && !isAllThere) // keeps the last textures, which is better than nothing
       entries = (this.lastDrawn.get(layer)?.entries ?? []).filter(([key]) =>
         this.lastDrawn.get(layer).mapping === mapping && this.store.get(key));
     const sum = entries.reduce((total, [, weight]) => total + weight, 0);
@@ -329,19 +330,19 @@ export class FieldPlayer {
     const supersampling = isAtRest && this.isFull ? this.finest : this.quality.side;
     const { objects, isAllThere } = this.drawnObjects();
     const { width, height } = this.description;
-    const hasOneLevel = !isAtRest && supersampling < this.finest; // it is a slow device, and soon drawn finely
+    const hasOneLevel = !isAtRest && supersampling < this.finest; // the device is slow, and a fine picture follows soon
     this.gl.draw({ width, height, supersampling, exposure: this.exposure, objects, hasOneLevel });
     if (!isAllThere) ++this.statistics.misses;
     ++this.statistics.frames;
     this.statistics.supersampling = supersampling;
     this.isSettled = isAtRest && this.isComplete;
-    // Drawn finely once it rests.
+    // Draws finely when the position rests.
     clearTimeout(this.restTimer);
     if (!isAtRest) this.restTimer = setTimeout(() => this.requestDraw(), REST_MS + 20);
     this.changed();
   }
 
-  /** Resolves once all of the current picture is there and drawn finely; tests and pictures for print wait for it. */
+  /** Resolves when the whole current picture is drawn finely; tests and pictures for print wait for this. */
   async settled() {
     while (!(this.isSettled && this.cancelFrame === null && performance.now() - this.movedAt > REST_MS)) {
       this.requestDraw();
@@ -349,7 +350,7 @@ export class FieldPlayer {
     }
   }
 
-  /** The current picture's 8-bit values, [height][width][4]. */
+  /** Returns the current picture's 8-bit values, [height][width][4]. */
   pixels() {
     this.drawNow();
     return this.gl.pixels();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles by object from a binary glTF: positions, one set of texture coordinates, names of nodes and where they are.
-// Corners are not shared, three a triangle, since a texture's cut may give a vertex two coordinates. Sparse accessors,
-// compression and files beside it are refused by name.
+// Reads triangles by object from a binary glTF: positions, one set of texture coordinates, names of nodes and their
+// places. Corners are not shared, three per triangle, because a texture's cut may give a vertex two coordinates.
+// Rejects sparse accessors, compression and external files with an error that names them.
 import { FieldError } from "./byte_source.js";
 import { identity, multiplied } from "./matrices.js";
 
@@ -9,11 +9,11 @@ const MAGIC = 0x46546c67; // "glTF"
 const CHUNK_JSON = 0x4e4f534a;
 const CHUNK_BINARY = 0x004e4942;
 const TRIANGLES = 4;
-const COMPONENTS = new Map([ // by glTF's numbers: the list, and what is 1.0 as a texture coordinate
+const COMPONENTS = new Map([ // keyed by glTF's numbers: the array type, and the value of 1.0 as a texture coordinate
   [5121, [Uint8Array, 255]], [5123, [Uint16Array, 65535]], [5125, [Uint32Array, 1]], [5126, [Float32Array, 1]],
 ]);
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3 };
-const REQUIRED_KNOWN = ["KHR_texture_transform", "KHR_materials_unlit"]; // that no triangle depends on
+const REQUIRED_KNOWN = ["KHR_texture_transform", "KHR_materials_unlit"]; // extensions that do not affect triangles
 
 class Glb {
   constructor(bytes, name) {
@@ -60,7 +60,7 @@ class Glb {
     return list[index];
   }
 
-  /** The accessor's values, as numbers; integers that are texture coordinates become 0..1. */
+  /** Returns the accessor's values as numbers; integer texture coordinates are scaled to 0..1. */
   values(index, type, isIndex) {
     const accessor = this.entry("accessors", index);
     if (accessor.sparse !== undefined) this.refuse(`accessors[${index}] is sparse, which this player does not read`);
@@ -157,15 +157,15 @@ class Glb {
   }
 }
 
-/** Objects by name: `{ name, objectToWorld, positions, uvs }`, three corners a triangle, v upwards. */
+/** Returns objects by name: `{ name, objectToWorld, positions, uvs }`, three corners per triangle, v upwards. */
 export function readGlb(bytes, name, uvSet) { return new Glb(bytes, name).read(uvSet); }
 
-/** Texture coordinates of all corners under a mapping of the description, [corners][2]: across the texture. */
+/** Maps texture coordinates of all corners by a mapping of the description; [corners][2], relative to the texture. */
 export function mappedCorners(uvs, mapping) {
   const { linear: [a, b, c, d], offset, hasCut, cut } = mapping;
   const corners = new Float32Array(uvs.length);
   for (let t = 0; t < uvs.length; t += 6) {
-    // Whole periods to the triangle's side of a cut: where it straddles one, its middle decides.
+    // Shifts the triangle by whole periods to its side of a cut. If it straddles a cut, its middle decides.
     const shift = [0, 1].map((axis) => {
       if (!hasCut[axis]) return 0;
       const values = [uvs[t + axis], uvs[t + 2 + axis], uvs[t + 4 + axis]];

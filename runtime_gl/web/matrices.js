@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 4 x 4 matrices, sixteen numbers column by column, and cameras and places between those of samples.
+// 4 x 4 matrices, sixteen numbers column by column; interpolation of cameras and places between samples.
 
 export function identity() {
   const matrix = new Float64Array(16);
@@ -24,7 +24,7 @@ const crossed = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
 const length = (a) => Math.sqrt(dot(a, a));
 const mixed = (lists, weights) => lists[0].map((_, i) => lists.reduce((sum, list, k) => sum + weights[k] * list[i], 0));
 
-/** Of the rotation with these rows: w, x, y, z. */
+/** Returns the quaternion w, x, y, z of the rotation with these rows. */
 function quaternionOf([a, b, c]) {
   const trace = a[0] + b[1] + c[2];
   const q = [1 + trace, 1 + a[0] - b[1] - c[2], 1 - a[0] + b[1] - c[2], 1 - a[0] - b[1] + c[2]];
@@ -41,7 +41,7 @@ function rowsOf([w, x, y, z]) {
     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
 }
 
-/** The weighted mean of rotations that are near one another. */
+/** Returns the weighted mean of similar rotations. */
 function mixedRotation(quaternions, weights) {
   const signed = quaternions.map((q) =>
     (q.reduce((sum, one, i) => sum + one * quaternions[0][i], 0) < 0 ? scaled(q, -1) : q));
@@ -50,8 +50,8 @@ function mixedRotation(quaternions, weights) {
 }
 
 /**
- * A camera's parts: `eye`, `rotation` to camera space, and the perspective's numbers, such that
- * clip = perspective (rotation (world - eye)); null for what is no perspective.
+ * Returns a camera's parts: `eye`, `rotation` to camera space, and the numbers of `perspective`, such that
+ * clip = perspective (rotation (world - eye)). Returns null if the matrix is not a perspective.
  */
 export function cameraParts(worldToClip) {
   const rows = [0, 1, 2, 3].map((r) => [worldToClip[r], worldToClip[4 + r], worldToClip[8 + r]]);
@@ -68,7 +68,7 @@ export function cameraParts(worldToClip) {
   if (!(Math.abs(fx) > 1e-12)) return null;
   const skew = dot(rows[0], up);
   const [cx, cy, depth] = [dot(rows[0], back), dot(rows[1], back), dot(rows[2], back)];
-  // Camera-space translation from what the eye sees at the origin of the world.
+  // Translation in camera space, from the eye's view of the world's origin.
   const tz = ends[3] / -scale;
   const ty = (ends[1] - cy * tz) / fy;
   const tx = (ends[0] - cx * tz - skew * ty) / fx;
@@ -87,7 +87,7 @@ function cameraOf(eye, rotation, [fx, skew, fy, cx, cy, depth, depthEnd, scale])
   return Float64Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
 }
 
-/** Between cameras: eyes and lenses linearly, directions by their rotations. Of one, or equal ones, that itself. */
+/** Mixes cameras: eyes and lenses linearly, directions by their rotations. Returns a single or common camera itself. */
 export function mixedCamera(matrices, weights) {
   const heaviest = weights.indexOf(Math.max(...weights));
   if (weights[heaviest] === 1 || matrices.every((one) => isEqual(one, matrices[0]))) return matrices[heaviest];
@@ -97,7 +97,7 @@ export function mixedCamera(matrices, weights) {
     mixedRotation(parts.map((one) => one.rotation), weights), mixed(parts.map((one) => one.lens), weights));
 }
 
-/** Rotation and size of a place that has the same size along every direction and is not mirrored; else null. */
+/** Returns the rotation and size of a place with a uniform scale and no mirroring, or else null. */
 function placeParts(matrix) {
   const columns = [0, 4, 8].map((i) => [matrix[i], matrix[i + 1], matrix[i + 2]]);
   const size = length(columns[0]);
@@ -108,7 +108,7 @@ function placeParts(matrix) {
   return dot(rows[0], crossed(rows[1], rows[2])) > 0 ? { size, rotation: quaternionOf(rows) } : null;
 }
 
-/** Between places of an object: rotated where all are rotations with one size, else linearly. */
+/** Mixes places of an object: by rotation if all are rotations with a uniform scale, else linearly. */
 export function mixedPlace(matrices, weights) {
   const heaviest = weights.indexOf(Math.max(...weights));
   if (weights[heaviest] === 1 || matrices.every((one) => isEqual(one, matrices[0]))) return matrices[heaviest];

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a packed field, NAME.mpt (docs/reference/packed_fields.md, "Packed fields"): its index, its description, and
-// single sections
-// as they are asked for. What is wrong with it is said by FieldError, with the file's name.
+// single sections on request. Reports problems as FieldError with the file's name.
 import { FieldError } from "./byte_source.js";
 import { sectionChecksum } from "./checksum.js";
 
 const VERSION = 2;
 const HEAD_BYTES = 9;
-const FIRST_BYTES = 65536; // most indices and descriptions come with the first request
+const FIRST_BYTES = 65536; // the first request gets most indices and descriptions
 const INDEX_BYTES_MAX = 2 ** 26;
 const TEXT_BYTES_MAX = 2 ** 26;
 const SECTION_BYTES_MAX = 2 ** 32;
@@ -15,7 +14,7 @@ const NUMBER_MAX = 2 ** 32 - 1;
 const KIND_DESCRIPTION = 0;
 const KIND_CHUNK = 1;
 
-/** Numbers of seven bits a byte, and fixed ones; beyond the end `isBroken`, and zeros. */
+/** Reads numbers of seven bits per byte, and fixed-size ones. Past the end, sets `isBroken` and returns zeros. */
 export class NumberReader {
   constructor(bytes) {
     Object.assign(this, { bytes, at: 0, isBroken: false });
@@ -103,7 +102,7 @@ export class MptFile {
     if (this.description === null) this.refuse("has no description");
   }
 
-  /** A section's bytes; `what` names it. */
+  /** Returns a section's bytes; `what` names it in errors. */
   async section(section, what, signal) {
     const end = section.offset + section.length;
     const bytes = end <= this.first.length
@@ -113,7 +112,7 @@ export class MptFile {
     return bytes;
   }
 
-  /** What docs/reference/packed_fields.md, "The description", has; not looked at yet. */
+  /** Returns the object of docs/reference/packed_fields.md, "The description", not yet checked. */
   async descriptionObject() {
     const bytes = await this.section(this.description, "description");
     const reader = new NumberReader(bytes);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws on time, in pages that nobody looks at too: there are no frames in a background tab.
+// Draws on time even in pages that nobody sees: a background tab gets no frames.
 
-// How long a frame is waited for. Of a page that is shown it comes, late where the device is slow: what is drawn before
-// it would only queue up.
+// Time to wait for a frame. A visible page gets its frame, late on a slow device; drawing earlier would only fill the
+// queue.
 const HIDDEN_MS = 50;
 const SHOWN_MS = 1000;
 
-/** Calls `draw(now)` with the browser's next frame, or a while later where there is none. Returns what cancels it. */
+/** Calls `draw(now)` at the browser's next frame, or after a while if none comes. Returns a function that cancels. */
 export function onNextFrame(draw) {
   let frame = 0;
   let timer = 0;
@@ -23,7 +23,7 @@ export function onNextFrame(draw) {
   return cancel;
 }
 
-/** Lets the page answer events before work goes on: timers of background tabs wait for a second, and later a minute. */
+/** Lets the page handle events. Does not use timers, which wait a second, later a minute, in background tabs. */
 export const giveWay = () => new Promise((resolve) => {
   const { port1, port2 } = new MessageChannel();
   port1.onmessage = () => {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controls of the position: a slider for each parameter, a pad for the first two, and the picture itself, which turns
-// when it is dragged.
+// when the user drags it.
 import { cameraParts, isEqual } from "./matrices.js";
 
-const STEP = 0.05; // of a sample, by a slider's arrow keys
-const TURN_SHARE = 0.75; // of the parameter, for a drag across the whole picture
+const STEP = 0.05; // of a sample, for a slider's arrow keys
+const TURN_SHARE = 0.75; // share of the parameter for a drag across the whole picture
 
 const node = (name, attributes = {}, ...children) => {
   const element = document.createElement(name);
@@ -13,7 +13,7 @@ const node = (name, attributes = {}, ...children) => {
   return element;
 };
 
-/** Which parameters move the camera, and which way a drag to the right goes so that the scene follows. */
+/** Finds the parameters that move the camera, and the sign by which the scene follows a drag to the right. */
 export function viewAxes(description) {
   const { samples, sizes } = description;
   const zero = sizes.map(() => 0);
@@ -33,7 +33,7 @@ export function viewAxes(description) {
 }
 
 export class ParameterControls {
-  /** `move(at)`: called with a new position. */
+  /** `move(at)` is called with a new position. */
   constructor({ sliders, pad, stage, description, move }) {
     Object.assign(this, { pad, stage, description, move, position: description.sizes.map(() => 0) });
     this.makeSliders(sliders);
@@ -118,7 +118,7 @@ export class ParameterControls {
       this.arrow(event, across?.d ?? 0, down?.d ?? null, across?.sign === -1 ? -1 : 1));
   }
 
-  /** Arrow keys by a quarter of a sample, with Shift to the next one. */
+  /** Moves by arrow keys: a quarter of a sample, or with Shift to the next sample. */
   arrow(event, across, up, sign) {
     const steps = { ArrowLeft: [across, -sign], ArrowRight: [across, sign], ArrowUp: [up, 1], ArrowDown: [up, -1] };
     const [d, step] = steps[event.key] ?? [null, 0];

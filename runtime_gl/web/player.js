@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of the player: opens a field, which its configuration names, `?file=` in its address, or who looks at it
-// chooses, and joins controls, path and statistics to the player of the field.
+// The page of the player. Opens a field that its configuration names, `?file=` in its address names, or the user
+// chooses.
+// Connects controls, path and statistics to the player of the field.
 //
-// The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A page that has all
-// in itself has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).
+// The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
+// page has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).
 import { BlobSource, FieldError, UrlSource, wholeBody } from "./byte_source.js";
 import { errorText, sayUncaughtErrors } from "./error_text.js";
 import { FieldDescription } from "./field_description.js";
@@ -19,7 +20,7 @@ const GEOMETRY_BYTES_MAX = 1024 * MIB;
 const WASM_BYTES_MAX = 16 * MIB;
 const WORKERS_MAX = 4;
 const PROBLEMS_MAX = 20;
-const STATISTICS_MS = 250; // between two looks at them
+const STATISTICS_MS = 250; // between two updates
 
 const byId = (id) => document.getElementById(id);
 const counts = { fetched: 0, retries: 0 };
@@ -51,7 +52,7 @@ function showState(text) {
   byId("state").hidden = text === "";
 }
 
-/** Of the graphics context, which browsers take away when a driver is reset or memory is short. */
+/** Shows the loss of the graphics context, which browsers remove when a driver is reset or memory is short. */
 function showLoss(isLost) {
   byId("canvas").style.visibility = isLost ? "hidden" : ""; // browsers show a broken picture
   showState(isLost ? "The browser has lost the graphics context: the picture comes back by itself as soon as the " +
@@ -77,13 +78,13 @@ async function workerStart() {
   const source = byId("worker-source");
   const url = source === null ? new URL("decoding_worker.js", document.baseURI)
     : URL.createObjectURL(new Blob([source.textContent], { type: "text/javascript" }));
-  // A module from a Blob is refused where the page itself comes from disk (Chromium 156).
+  // Chromium 156 rejects a module from a Blob if the page is a local file.
   const type = source === null ? "module" : "classic";
   const count = Math.min(WORKERS_MAX, Math.max(1, (navigator.hardwareConcurrency ?? 2) - 1));
   return { wasm, count, makeWorker: () => new Worker(url, { type }) };
 }
 
-/** What is to be opened: `source` of the field; `geometry(description)` gives its bytes and name. */
+/** Returns what to open: `source` of the field, and `geometry(description)`, which returns its bytes and name. */
 function configured() {
   const asked = new URLSearchParams(location.search).get("file");
   const inPage = bytesOf("data-field");
@@ -106,7 +107,7 @@ function configured() {
   };
 }
 
-/** Of files that were chosen: one field and its geometry. */
+/** Returns what to open from files that the user chose: one field and its geometry. */
 function chosen(files) {
   const find = (end) => files.find((file) => file.name.toLowerCase().endsWith(end));
   const field = find(".mpt");
@@ -120,7 +121,7 @@ function chosen(files) {
 }
 
 async function checkHash({ bytes, name, hash }) {
-  if (hash === undefined || !globalThis.crypto?.subtle) return; // which http: from another machine does not have
+  if (hash === undefined || !globalThis.crypto?.subtle) return; // http: from another machine has no crypto.subtle
   const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes));
   const found = [...digest].map((one) => one.toString(16).padStart(2, "0")).join("");
   if (found !== hash) throw new FieldError(`${name}: is not the geometry that the field's textures are for (SHA-256 ` +
@@ -129,7 +130,7 @@ async function checkHash({ bytes, name, hash }) {
 
 let startOfWorkers = null;
 
-let opened = null; // makes what is open, or was to be
+let opened = null; // opens the current or last field again
 
 async function open(make) {
   opened = make;
@@ -165,7 +166,7 @@ function start({ file, description, objects, startWorkers, title }) {
   document.title = title;
   byId("about").textContent = `${description.sizes.join(" \u00d7 ")} samples of ` +
     `${description.parameters.join(", ")}; ${description.width} \u00d7 ${description.height} pixels`;
-  const stage = byId("stage"); // made anew: a canvas has one context for good, and the old controls go
+  const stage = byId("stage"); // replaced: a canvas keeps its context forever, and this removes the old controls
   const freshStage = stage.cloneNode(false);
   const canvas = Object.assign(document.createElement("canvas"), { id: "canvas" });
   canvas.style.aspectRatio = `${description.width} / ${description.height}`;
@@ -185,7 +186,7 @@ function start({ file, description, objects, startWorkers, title }) {
   controls.show(player.position);
   showPath();
   showState("");
-  globalThis.multumPlayer = player; // for scripts beside it, and tests
+  globalThis.multumPlayer = player; // for other scripts and tests
 }
 
 // ---- Moving
@@ -196,7 +197,7 @@ function moveTo(at) {
   recording?.path.add((performance.now() - recording.begun) / 1000, player.position);
 }
 
-/** By hand: what is being played stops. */
+/** Moves by hand and stops playing. */
 function goTo(at) {
   stopPlaying();
   moveTo(at);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws textured objects by WebGL 2 as runtime_gl/animation does by desktop GL (runtime_gl/shaders/textured.vert and
-// .frag): radiance is looked up in textures of halves with mip levels and added up, nothing is lit; supersampling^2
-// sub-pixels a pixel are averaged in linear light, and then coded as sRGB.
+// .frag). Looks up radiance in textures of halves with mip levels, adds it up and lights nothing. Averages
+// supersampling^2 sub-pixels per pixel in linear light, and encodes the result as sRGB.
 
 const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
-const SUB_PIXELS_MAX = 1 << 24; // of the framebuffer: 8 bytes of colour and 4 of depth each
+const SUB_PIXELS_MAX = 1 << 24; // of the framebuffer, with 8 bytes of colour and 4 of depth each
 const POSITION = 0;
 const UV = 1;
 
@@ -18,7 +18,7 @@ void main() {
   gl_Position = u_object_to_clip * vec4(a_position, 1.0);
 }`;
 
-// Samplers may be indexed by constants alone in this GLSL.
+// In this GLSL, only constants may index samplers.
 const objectFragment = (count) => `#version 300 es
 precision highp float;
 precision highp sampler2D;
@@ -53,7 +53,7 @@ void main() {
   o_colour = vec4(mix(curved, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308))), 1.0);
 }`;
 
-/** Bytes that a texture with its mip levels is counted as. */
+/** Returns the bytes counted for a texture with its mip levels. */
 export function textureBytes(width, height) {
   let texels = 0;
   for (let w = width, h = height; ; w = Math.max(1, w >> 1), h = Math.max(1, h >> 1)) {
@@ -63,7 +63,7 @@ export function textureBytes(width, height) {
 }
 
 export class PlayerGl {
-  /** Throws Error saying what the browser lacks. */
+  /** Throws Error with the feature that the browser lacks. */
   constructor(canvas) {
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false });
     if (gl === null) throw new Error("this browser has no WebGL 2, or it is switched off");
@@ -78,7 +78,7 @@ export class PlayerGl {
     this.screen = this.program(SCREEN_VERTEX, MEAN_FRAGMENT);
     this.nothing = gl.createVertexArray();
     this.target = null;
-    this.fences = []; // behind pictures that the driver may still be working at
+    this.fences = []; // after pictures that the driver may still be drawing
   }
 
   program(vertex, fragment) {
@@ -158,7 +158,7 @@ export class PlayerGl {
     return { array, count };
   }
 
-  /** The most sub-pixels along each side of a pixel, up to `wanted`, that this device takes. */
+  /** Returns the most sub-pixels along each side of a pixel, up to `wanted`, that this device supports. */
   affordable(width, height, wanted) {
     let side = wanted;
     while (side > 1 && (Math.max(width, height) * side > this.sideMax || width * height * side * side > SUB_PIXELS_MAX))
@@ -166,7 +166,7 @@ export class PlayerGl {
     return side;
   }
 
-  /** The framebuffer of sub-pixels, made anew when its size changes. */
+  /** Creates the framebuffer of sub-pixels, again when its size changes. */
   prepareTarget(width, height) {
     const { gl } = this;
     if (this.target?.width === width && this.target.height === height) return;
@@ -198,9 +198,9 @@ export class PlayerGl {
   }
 
   /**
-   * `objects`: `{ mesh, objectToClip, textures, weights }`, textures times weights added up; without any, black, which
-   * hides what is behind. `hasOneLevel`: textures are looked up in the nearest mip level alone, not in two, which takes
-   * software renderers half the time.
+   * `objects`: `{ mesh, objectToClip, textures, weights }`; textures times weights are added up. Without textures an
+   * object is black and hides objects behind it. `hasOneLevel`: looks up only the nearest mip level instead of two,
+   * which halves the time of software renderers.
    */
   draw({ width, height, supersampling, exposure, objects, hasOneLevel }) {
     const { gl, canvas } = this;
@@ -240,7 +240,7 @@ export class PlayerGl {
     gl.flush();
   }
 
-  /** Whether more than one picture is not there yet, as far as is known since the browser was last given its turn. */
+  /** Returns whether more than one picture is unfinished, as known at the last return to the browser. */
   isBusy() {
     const { gl } = this;
     while (this.fences.length > 0 &&
@@ -249,7 +249,7 @@ export class PlayerGl {
     return this.fences.length > 1;
   }
 
-  /** The picture's 8-bit values as drawn just now, [height][width][4], the top row first. */
+  /** Returns the last picture's 8-bit values, [height][width][4], the top row first. */
   pixels() {
     const { gl, canvas: { width, height } } = this;
     const values = new Uint8Array(4 * width * height);

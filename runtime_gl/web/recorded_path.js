@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A path through the parameters, recorded as it is wandered, played again, and kept as JSON
+// A path through the parameters that the user records, plays again and saves as JSON
 // (docs/reference/packed_fields.md, "Recorded paths"):
 //   { "multumPath": 1, "parameters": ["view", "light"], "positions": [[0, 0.5, 3], ...] }
-// of each position the seconds since the first, then the index along each parameter, of any fraction.
+// Each position has the seconds since the first one, and then a fractional index along each parameter.
 
 const INTERVAL_S = 0.05; // between recorded positions
 const POSITIONS_MAX = 100000;
@@ -12,7 +12,7 @@ export class RecordedPath {
     Object.assign(this, { parameters, positions });
   }
 
-  /** Throws Error saying what is wrong with a text of JSON. */
+  /** Reads a path from JSON text. Throws Error with the problem. */
   static parse(text, parameters) {
     let json;
     try {
@@ -31,7 +31,7 @@ export class RecordedPath {
     return new RecordedPath(parameters, json.positions);
   }
 
-  /** All of the parameters in one closed curve, for who has recorded none. `sizes`: samples along each. */
+  /** Returns one closed curve through all parameters, used if no path was recorded. `sizes`: samples along each. */
   static tour(parameters, sizes) {
     const seconds = 24;
     const positions = Array.from({ length: seconds * 20 + 1 }, (_, i) => {
@@ -49,7 +49,7 @@ export class RecordedPath {
     this.positions.push([seconds, ...at].map((one) => Number(one.toFixed(4))));
   }
 
-  /** The position `seconds` after the first, between recorded ones; from its end it begins again. */
+  /** Returns the position `seconds` after the first, interpolated; the path repeats after its end. */
   at(seconds) {
     const [first] = this.positions;
     const time = first[0] + (this.seconds > 0 ? seconds % this.seconds : 0);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is held of a field, textures and compressed chunks, within a budget of bytes that is never exceeded: the least
-// recently used go first. What is in use now is not given up for anything else.
+// Keeps textures and compressed chunks of a field within a budget of bytes, which is never exceeded. Removes the least
+// recently used entries first, and never entries that are in use.
 
 export class TextureStore {
-  /** `release(entry)`: called for each entry that goes. */
+  /** `release(entry)` is called for each removed entry. */
   constructor(budget, release) {
     Object.assign(this, { budget, release, bytes: 0, peak: 0, evictions: 0, entries: new Map() });
   }
@@ -11,7 +11,7 @@ export class TextureStore {
   has(key) { return this.entries.has(key); }
   get size() { return this.entries.size; }
 
-  /** The entry, which counts as used now; undefined where it is not here. */
+  /** Returns the entry and marks it as used, or returns undefined if it is absent. */
   get(key) {
     const entry = this.entries.get(key);
     if (entry !== undefined) {
@@ -21,7 +21,7 @@ export class TextureStore {
     return entry;
   }
 
-  /** Makes room for so many bytes, keeping entries whose key `isNeeded`; false where there is none to be had. */
+  /** Makes room for so many bytes and keeps entries whose key `isNeeded`. Returns false if there is not enough room. */
   makeRoom(bytes, isNeeded) {
     if (bytes > this.budget) return false;
     for (const [key, entry] of this.entries) {
@@ -31,7 +31,7 @@ export class TextureStore {
     return this.bytes + bytes <= this.budget;
   }
 
-  /** After makeRoom(entry.bytes) only. */
+  /** Call only after makeRoom(entry.bytes). */
   put(key, entry) {
     if (this.bytes + entry.bytes > this.budget) throw new Error("no room was made for what is stored");
     this.entries.set(key, entry);

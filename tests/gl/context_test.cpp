@@ -140,7 +140,7 @@ std::string load_failure() {
 
 TEST(Loader, RefusesOldVersionsAndMissingFunctions) {
   fake_major = 3;
-  EXPECT_EQ(load_failure(), "the GL context has version 3.5, 4.5 or more is needed");
+  EXPECT_EQ(load_failure(), "the GL context has version 3.5, expected 4.5 or later");
   fake_major = 4;
   EXPECT_EQ(load_failure(), "");
   fake_missing = "glDrawElements";
@@ -223,7 +223,7 @@ TEST(EglSearch, GoesOnBehindADisplayWhoseDriverIsOfNoUse) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kEnvironment);
     EXPECT_STREQ(error.what(),
-                 "EGL: device 0: the GL context has version 3.5, 4.5 or more is needed; device 1: the GL driver has no "
+                 "EGL: device 0: the GL context has version 3.5, expected 4.5 or later; device 1: the GL driver has no "
                  "function glDrawElements; surfaceless: the GL driver has no function glDrawElements");
   }
   EXPECT_EQ(fake_contexts, 0);

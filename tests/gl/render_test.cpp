@@ -550,7 +550,7 @@ TEST(Material, RefusesLevelsThatDoNotFit) {
     FAIL() << "a level with a missing texel was taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInput);
-    EXPECT_STREQ(error.what(), "level 1 of the baked map is not 4 x 4 texels of 1 lobes");
+    EXPECT_STREQ(error.what(), "level 1 of the baked map does not have 4 x 4 texels of 1 lobes");
   }
   EXPECT_THROW(MovmfMaterial(context->functions(), MovmfMipmap{}, 1.0f), Error);
 }

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blinn-Phong, of one normal and convolved with a vMF lobe (behind common/movmf_shading.glsl).
+// Blinn-Phong for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl).
 //
 // Departures from the paper. Its rule s' = kappa s / (kappa + s) (eq. 20) is kept as
 // multum_movmf_blinn_phong_paper(): relative L1 over the hemisphere 3 % at kappa 50, 22 % at 5, 54-70 % at kappa <= 1.
-// Used instead: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine
-// A = |r| c_f, c_f = the mean cosine of f. Between the two shapes with that mean cosine - vMF, right for a broad lobe,
-// and cosine power, right for a lobe sharper than f and exact at |r| = 1 - one weight blends. Errors, by quadrature
-// (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from 3, 1.8 %
-// from 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
+// The rule here: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine A
+// = |r| c_f, c_f = the mean cosine of f. One weight blends two shapes that have this mean cosine: a vMF, which is right
+// for a broad lobe, and a cosine power, which is right for a lobe sharper than f and exact at |r| = 1. Errors by
+// quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from
+// 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
 
-// Weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)), fitted.
+// Constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)).
 const float MULTUM_SHAPE_BLEND = 1.4;
 
-// log(1 - e) to full relative precision: log(t) of a rounded t close to 1 is off by 6e-8, and s = 1e5 multiplies it.
-// log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); the terms left out are 3e-9 at e = 0.1.
+// Returns log(1 - e) to full relative precision. The log(t) of a rounded t close to 1 has an error of 6e-8, and s = 1e5
+// multiplies it. log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); at e = 0.1 the omitted terms
+// are 3e-9.
 float multum_log_one_minus(float e) {
   if (e > 0.1) return log(max(1.0 - e, 1e-30));
   float y = e / (2.0 - e);
@@ -21,15 +22,15 @@ float multum_log_one_minus(float e) {
   return -2.0 * y * (1.0 + y2 * (1.0 / 3.0 + y2 * 0.2));
 }
 
-// Normalised Blinn-Phong (s + 1) / (2 pi) max(t, 0)^s, e = 1 - t: the normal distribution of one direction.
+// Normalised Blinn-Phong (s + 1) / (2 pi) max(t, 0)^s, e = 1 - t: the facet distribution about one direction.
 float multum_blinn_phong(float s, float e) {
   return e < 1.0 ? (s + 1.0) / (2.0 * MULTUM_PI) * exp(s * multum_log_one_minus(e)) : 0.0;
 }
 
 // Blinn-Phong of exponent s convolved with the lobe, at the unit half vector h.
-//   c_f = (s + 1) / (s + 2);   1 - A = d + (1 - d) / (s + 2), d = 1 - |r|: a sum of what is small, nothing cancels
+//   c_f = (s + 1) / (s + 2);   1 - A = d + (1 - d) / (s + 2), d = 1 - |r|: a sum of small numbers without cancellation
 //   vMF shape:           kappa = A^-1(A)
-//   cosine-power shape:  s' = (2 A - 1) / (1 - A), the exponent whose (s' + 1) / (s' + 2) is A; A < 1/2 has none: 0
+//   cosine-power shape:  s' = (2 A - 1) / (1 - A), for which (s' + 1) / (s' + 2) = A; for A < 1/2 there is none: 0
 float multum_movmf_blinn_phong(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charlie, the sheen of cloth (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", as
-// KHR_materials_sheen has it: alpha = roughness^2), of one normal and over a vMF lobe (behind movmf_shading.glsl). D is
-// brightest at right angles to n and 0 at n itself: no sum of vMFs around h is near a sharp one, and none is needed.
+// Charlie, the sheen of cloth (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", as in
+// KHR_materials_sheen: alpha = roughness^2), for one normal and over a vMF lobe (after movmf_shading.glsl). D is
+// brightest at right angles to n and 0 at n. A sum of vMFs around h cannot approximate a sharp D, and is not needed.
 //
-// V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007, which KHR_materials_sheen allows in the place of
-// Estevez and Kulla's and which Filament and three.js draw: artists see here what their engine shows.
+// V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007. KHR_materials_sheen allows it instead of V of
+// Estevez and Kulla, and Filament and three.js use it, so artists see the same result here as in their engine.
 
-// (1 + p) / pi (1 - t^2)^p, p = 1 / (2 alpha), t = n.h, e = 1 - t: that is (2 + 1 / alpha) sin^(1 / alpha) / (2 pi).
+// Returns (1 + p) / pi (1 - t^2)^p = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with p = 1 / (2 alpha), t = n.h, e = 1 -
+// t.
 float multum_charlie(float p, float e) {
   return e < 1.0 ? (1.0 + p) / MULTUM_PI * pow(max(e * (2.0 - e), 0.0), p) : 0.0;
 }
 
-// V, bounded where both cosines are 0.
+// V, bounded for two cosines of 0.
 float multum_sheen_visibility(float n_l, float n_v) { return 0.25 / max(n_l + n_v - n_l * n_v, 1e-6); }
 
-// Mean and variance of n.h over the lobe's normals, t = mu.h; kappa and spread d of the lobe.
+// Returns the mean and variance of n.h over the lobe's normals, from t = mu.h and the lobe's kappa and spread d.
 vec2 multum_lobe_projection(float d, float kappa, float t) {
   float r = 1.0 - d;
   float across = r > 1e-3 ? r / kappa : 1.0 / 3.0;
@@ -22,12 +23,13 @@ vec2 multum_lobe_projection(float d, float kappa, float t) {
   return vec2(r * t, mix(across, along, t * t));
 }
 
-// Charlie over the lobe at the unit half vector h, amplitude included. Taken on both sides of the horizon D is an even
-// function of n.h, (1 - t^2)^p, whose second zonal coefficient is -p / (2 p + 3) of its integral; the lobe multiplies
-// it by its own, 1 - w with w = 3 r / kappa, and the shape that has the product is taken: p'. Of it the normals that
-// face h have a share: n.h is normally distributed over the lobe and D about exp(-p (n.h)^2), so that the share is
-// Phi(x). Exact for a single normal and for all directions alike; between, at most 9 % off (relative L1 over the
-// hemisphere of h, roughness 0.05 to 1, kappa 0.5 to 2000), at kappa 3, and 2 % from 40 on (tests/gl/charlie_test).
+// Charlie over the lobe at the unit half vector h, times the amplitude. Extended to both sides of the horizon, D is an
+// even function of n.h, (1 - t^2)^p, whose second zonal coefficient is -p / (2 p + 3) of its integral. The lobe
+// multiplies it by its own coefficient, 1 - w with w = 3 r / kappa; p' is the exponent of the shape with this product.
+// Only normals that face h count. n.h is normally distributed over the lobe and D is about exp(-p (n.h)^2), so their
+// share is Phi(x). Exact for a single normal and for uniform directions. In between, the relative L1 error over the
+// hemisphere of h is at most 9 %, at kappa 3, and 2 % from 40 on (roughness 0.05 to 1, kappa 0.5 to 2000;
+// tests/gl/charlie_test).
 float multum_movmf_charlie(vec4 lobe, vec3 h, float p) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe), r = 1.0 - d;
@@ -37,14 +39,14 @@ float multum_movmf_charlie(vec4 lobe, vec3 h, float p) {
   float wide = 3.0 * (1.0 - w) * p / (3.0 + 2.0 * p * w);
   vec2 n_h = multum_lobe_projection(d, kappa, 1.0 - e);
   float x = clamp(n_h.x * inversesqrt(max(n_h.y * (1.0 + 2.0 * p * n_h.y), 1e-12)), -8.0, 8.0);
-  float share = 1.0 / (1.0 + exp(-x * (1.5976 + 0.07056 * x * x)));  // Phi, at most 2e-4 off (Page 1977)
-  // The integral of (1 - t^2)^p is as 1 / sqrt(p + pi / 4), to 0.6 %.
+  float share = 1.0 / (1.0 + exp(-x * (1.5976 + 0.07056 * x * x)));  // Phi, error at most 2e-4 (Page 1977)
+  // The integral of (1 - t^2)^p is proportional to 1 / sqrt(p + pi / 4), to 0.6 %.
   float scale = (1.0 + p) / MULTUM_PI * sqrt((wide + 0.7854) / (p + 0.7854));
   return lobe.w * scale * pow(clamp(e * (2.0 - e), 1e-30, 1.0), wide) * share;
 }
 
-// What stands for the facets' kappa in the highlight's cosine: D turns normals away from h, near the mean n.h of those
-// that reflect as a vMF of this negative kappa does.
+// Returns a value that replaces the facets' kappa in the highlight's cosine. D turns normals away from h; near the mean
+// n.h of the reflecting normals, a vMF of this negative kappa has the same effect.
 float multum_movmf_charlie_facet_kappa(vec4 lobe, vec3 h, float p) {
   float d = multum_movmf_spread(lobe);
   float t = 1.0 - multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX as glTF 2.0 has it (appendix B; Walter et al. 2007), behind cook_torrance.glsl for Schlick's term: alpha =
-// roughness^2. Of one normal; over lobes see ggx_lobe.glsl.
+// GGX as in glTF 2.0 (appendix B; Walter et al. 2007) for one normal, after cook_torrance.glsl, which has Schlick's
+// term:
+// alpha = roughness^2. ggx_lobe.glsl has GGX over lobes.
 
-// D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t: 1 - t^2 = e (2 - e), so that nothing cancels near t = 1.
+// D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t. 1 - t^2 = e (2 - e) avoids cancellation near t = 1.
 float multum_ggx(float alpha, float e) {
   if (e >= 1.0) return 0.0;
   float t = 1.0 - e;
@@ -11,7 +12,7 @@ float multum_ggx(float alpha, float e) {
   return x / (MULTUM_PI * y * y);
 }
 
-// Smith's correlated masking and shadowing over 4 n.l n.v (Heitz 2014).
+// Smith's correlated masking and shadowing, divided by 4 n.l n.v (Heitz 2014).
 float multum_smith_visibility(float alpha, float n_l, float n_v) {
   float x = alpha * alpha;
   float masking = n_l * sqrt(n_v * n_v * (1.0 - x) + x);
@@ -22,7 +23,7 @@ float multum_smith_visibility(float alpha, float n_l, float n_v) {
 #ifdef MULTUM_GGX
 uniform float u_alpha;
 #ifdef MULTUM_ROUGHNESS_TEXTURE
-float multum_alpha;  // of this place: set by surface/roughness_texture.glsl before anything is shaded
+float multum_alpha;  // at the shaded place; surface/roughness_texture.glsl sets it before shading
 #else
 #define multum_alpha u_alpha
 #endif

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX over a vMF lobe as one term, for any roughness, which may come from a texture (behind movmf_shading.glsl and
-// ggx.glsl). host/formats/brdf/ggx_lobe.h has the formula and makes the table, 32 x 32 RGBA16F, linear filter, clamped:
+// GGX over a vMF lobe as one term, for any roughness, also from a texture (after movmf_shading.glsl and ggx.glsl).
+// host/formats/brdf/ggx_lobe.h has the formula and computes the table: 32 x 32 RGBA16F, linear filter, clamped.
 //
 //     specular = multum_movmf_ggx_specular(ggx_lobe_table, lobe, l, v, h, alpha);
 //
-// Under many lights multum_ggx_lobe_facets() and multum_ggx_lobe_specular() take apart what is of the lobe alone.
+// For many lights, multum_ggx_lobe_facets() computes once what depends only on the lobe, and multum_ggx_lobe_specular()
+// the rest.
 //
-// Over all roughnesses and lobes it is within 4.5 % of the exact convolution, relative L1 over the sphere of h
+// Over all roughnesses and lobes its error is at most 4.5 % of the exact convolution, relative L1 over the sphere of h
 // (tests/gl/ggx_lobe_test).
 
-// P / pi, B, delta and -gamma. The coordinates are those of texels' middles: 31 / 32, and 31 / 32 over sqrt(3).
+// Returns P / pi, B, delta and -gamma. Coordinates address texel centres: 31 / 32, and 31 / 32 over sqrt(3).
 vec4 multum_ggx_lobe_shape(sampler2D table, float alpha, float d) {
   float s = sqrt(alpha * alpha + 2.0 * d);
   return textureLod(table, vec2(alpha / s, s) * vec2(0.96875, 0.5593080732) + 0.015625, 0.0);
 }
 
-// 1 / kappa of a lobe of spread d, nearly: enough for widths, and finite at d = 1.
+// Returns about 1 / kappa of a lobe of spread d: precise enough for widths, and finite at d = 1.
 float multum_vmf_scatter(float d) { return d / (1.001 - d); }
 
-// The density of facets whose P and B are divided by s^2.
+// Returns the density of facets whose P and B are divided by s^2.
 float multum_ggx_lobe_curve(vec4 facets, float alpha, float d, float e) {
   float reach = sqrt(4.5 * multum_vmf_scatter(d) + 1e-12);
   float bend = -0.5 * (alpha * alpha) * (1.0 / (alpha * alpha + 2.0 * d));
@@ -31,10 +32,11 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
   return multum_ggx_lobe_curve(vec4(shape.x * scale, shape.y * scale, shape.z, shape.w), alpha, d, e);
 }
 
-// The concentration about h that GGX's facets have where the lobe's normals reflect: what stands for the facets'
-// kappa in the highlight's cosine. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's
-// mean precision at the distance x from its middle: x^2 is that of the normals' mean direction from h, plus what they
-// scatter about it. Less for rough facets, which end at the horizon. Two steps from the peak's; e = 1 - mu.h.
+// Returns the concentration of GGX's facets about h at the lobe's reflecting normals, which is the facets' kappa in the
+// highlight's cosine. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
+// at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus their scatter
+// about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value; e = 1 -
+// mu.h.
 float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   float x = alpha * alpha;
   float facets = 2.0 / x;
@@ -47,7 +49,7 @@ float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   return facets;
 }
 
-// GGX of alpha convolved with the lobe at the unit half vector h, per solid angle, amplitude included.
+// Returns GGX of alpha convolved with the lobe at the unit half vector h, per solid angle, times the amplitude.
 float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);
@@ -55,13 +57,14 @@ float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   return lobe.w * multum_ggx_lobe_density(multum_ggx_lobe_shape(table, alpha, d), alpha, d, e);
 }
 
-// What facet_kappa of multum_movmf_highlight_cosine() is for GGX over the lobe.
+// Returns the facet_kappa of multum_movmf_highlight_cosine() for GGX over the lobe.
 float multum_movmf_ggx_facet_kappa(vec4 lobe, vec3 h, float alpha) {
   float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
   return multum_ggx_facet_kappa(alpha, multum_vmf_kappa(multum_movmf_spread(lobe)), e);
 }
 
-// What depends on the lobe and the roughness alone, for multum_ggx_lobe_specular(): compute it once a lobe.
+// Returns the part that depends only on the lobe and the roughness, for multum_ggx_lobe_specular(). Compute it once per
+// lobe.
 vec4 multum_ggx_lobe_facets(sampler2D table, vec4 lobe, float alpha) {
   float d = multum_movmf_spread(lobe);
   float scale = 1.0 / (alpha * alpha + 2.0 * d);
@@ -69,15 +72,15 @@ vec4 multum_ggx_lobe_facets(sampler2D table, vec4 lobe, float alpha) {
   return vec4(lobe.w * (shape.x * scale), shape.y * scale, shape.z, shape.w);
 }
 
-// The specular part of glTF's material over the lobe, D V max(n . l, 0), without Fresnel's term (multum_schlick): what
-// a light of irradiance 1 gives. l, v, h: unit, tangent space; alpha: roughness^2, above 0. `mu`, `d`: the lobe's mean
-// direction and spread.
+// Returns the specular part of glTF's material over the lobe, D V max(n . l, 0), without Fresnel's term
+// (multum_schlick), for a light of irradiance 1. l, v, h: unit, tangent space; alpha: roughness^2, above 0. `mu`, `d`:
+// the lobe's mean direction and spread.
 //
-// The normals that reflect from l to v are facets about h times the lobe about mu. Both are taken for Gaussians, of the
-// variances 0.6 alpha^2 + 0.1 e and 1 / kappa: the mean is `sum`, the spread both / |sum|, and q = y / (1 + y) of it
-// stands for that of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15 q)) / 2, m the mean normal's cosine. The
-// numbers are fitted to the whole highlight (tests/gl/ggx_lobe_test), where the error of Smith's V of two means is
-// larger than theirs; for a lobe of no width the result is that of one normal. Cosines are doubled until the end.
+// The normals that reflect from l to v are facets about h times the lobe about mu. Both are treated as Gaussians with
+// the variances 0.6 alpha^2 + 0.1 e and 1 / kappa: the mean is `sum`, the spread is both / |sum|, and q = y / (1 + y)
+// replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15 q)) / 2, where m is the mean normal's
+// cosine. The constants are fitted to the whole highlight (tests/gl/ggx_lobe_test); Smith's V of two means causes a
+// larger error than they do. A lobe of no width gives the result for one normal. Cosines are doubled until the end.
 float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, vec3 h, float alpha) {
   float x = alpha * alpha;
   float e = multum_one_minus_cosine(mu, h);
@@ -96,7 +99,7 @@ float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, ve
   return multum_ggx_lobe_curve(facets, alpha, d, e) * n_l / max(masking + shadowing, 1e-6);
 }
 
-// Add it up over the lobes.
+// Returns the specular part of one lobe; add up the results of all lobes.
 float multum_movmf_ggx_specular(sampler2D table, vec4 lobe, vec3 l, vec3 v, vec3 h, float alpha) {
   vec4 facets = multum_ggx_lobe_facets(table, lobe, alpha);
   return multum_ggx_lobe_specular(facets, multum_movmf_mean_direction(lobe), multum_movmf_spread(lobe), l, v, h, alpha);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A facet distribution as a sum of vMFs, f = sum w_i vMF(lambda_i), fitted by host/formats/brdf/vmf_terms. Each is
+// A facet distribution as a sum of vMFs, f = sum w_i vMF(lambda_i), fitted by host/formats/brdf/vmf_terms. Each vMF is
 // convolved with a lobe by multiplying mean cosines: A = |r| A(lambda_i), so 1 - A = d + (1 - d) q_i, d = 1 - |r|, q_i
 // = 1 - A(lambda_i).
 
-// One term's share of f convolved with a lobe of amplitude 1 and of spread d, e = 1 - mu.h.
+// Returns one term of f convolved with a lobe of amplitude 1 and spread d, e = 1 - mu.h.
 float multum_term(float d, float term_spread, float e) {
   return multum_vmf_density(multum_vmf_kappa(d + (1.0 - d) * term_spread), e);
 }
@@ -21,7 +21,7 @@ vec3 multum_lobe_facets(vec4 lobe, vec3 h) {
   return lobe.w * max(sum, 0.0);
 }
 
-// Each term has a cosine of its own.
+// Each term has its own cosine.
 vec3 multum_lobe_highlight(vec4 lobe, vec3 h, vec3 l) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return vec3(0.0);
   float d = multum_movmf_spread(lobe);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a pixel's evaluations of the material are spent. An evaluation is of one lobe at one point. Where the normals
-// under a pixel are alike, evaluations go to points, whose lobes are added up to one. Where they scatter, evaluations
-// go to lobes, at as many points as are left; of more lobes than evaluations, the most alike are added up. What decides
-// is the spread 1 - |r| of the sum of all lobes, two levels finer than that of the pixel's longer side, where one
-// lookup does: lobes from MULTUM_SPREAD_OF_LOBES on.
+// Decides how a pixel spends its evaluations of the material. An evaluation is of one lobe at one point. If the normals
+// under a pixel are similar, evaluations go to points, whose lobes are added up to one. If the normals scatter,
+// evaluations go to lobes, at as many points as remain; if there are more lobes than evaluations, the most similar
+// lobes are added up. The decision depends on the spread 1 - |r| of the sum of all lobes, read by one lookup two levels
+// finer than the level of the pixel's longer side: evaluations go to lobes from MULTUM_SPREAD_OF_LOBES on.
 //
 //     float points = multum_movmf_spread(sum) > MULTUM_SPREAD_OF_LOBES ? multum_lobe_points(16.0, 4.0) : 16.0;
 //     vec2 grid = multum_point_grid(points, length(dFdx(uv) * size), length(dFdy(uv) * size));
@@ -13,13 +13,13 @@
 
 const float MULTUM_SPREAD_OF_LOBES = 0.002;
 
-// Points at which each of `lobe_count` lobes is evaluated: a power of two, 1 at least.
+// Returns the number of points at which each of `lobe_count` lobes is evaluated: a power of two, at least 1.
 float multum_lobe_points(float evaluations, float lobe_count) {
   return exp2(max(floor(log2(evaluations / lobe_count) + 1e-3), 0.0));
 }
 
-// Columns and rows of points of a pixel, `count` a power of two: parts that are as square on the texture as can be.
-// `along_x`, `along_y`: lengths of the texture coordinates' derivatives, in texels.
+// Returns the columns and rows of a pixel's points; `count` is a power of two. The parts of the pixel are as square as
+// possible on the texture. `along_x`, `along_y`: lengths of the texture coordinates' derivatives, in texels.
 vec2 multum_point_grid(float count, float along_x, float along_y) {
   float ratio = max(along_x, along_y) / max(min(along_x, along_y), 1e-20);
   float octaves = ceil(0.5 * log2(count / (2.0 * ratio)) - 1e-3);
@@ -28,20 +28,20 @@ vec2 multum_point_grid(float count, float along_x, float along_y) {
   return along_x > along_y ? vec2(along, across) : vec2(across, along);
 }
 
-// Of point `number`, from 0, from the pixel's middle, in pixels.
+// Returns the offset of point `number` (from 0) from the pixel's middle, in pixels.
 vec2 multum_point_place(float number, vec2 grid) {
   float row = floor((number + 0.5) / grid.x);
   return vec2((number - row * grid.x + 0.5) / grid.x - 0.5, (row + 0.5) / grid.y - 0.5);
 }
 
-// For materials without lobes: the variance that the geometry's unit normal has over one of `count` parts of a pixel,
-// of both its slopes together (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the
-// frames of several places have it in them.
+// For materials without lobes: returns the variance of the geometry's unit normal over one of `count` parts of a pixel,
+// for both of its slopes together (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the
+// frames of several places already contain this variance.
 float multum_geometry_variance(vec3 normal_along_x, vec3 normal_along_y, float count) {
   return (dot(normal_along_x, normal_along_x) + dot(normal_along_y, normal_along_y)) / (12.0 * count);
 }
 
-// alpha with that variance.
+// Returns alpha widened by that variance.
 float multum_widened_alpha(float alpha, vec3 normal_along_x, vec3 normal_along_y, float count) {
   return sqrt(min(alpha * alpha + multum_geometry_variance(normal_along_x, normal_along_y, count), 1.0));
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One finest texel of those that the texture's filter averages at a place, drawn with the weight that it has there: tap
-// evenly among those of the footprint, level by the fraction of the level of detail, texel of that level by the
-// bilinear weights, finest texel evenly among those that it covers. The mean of many is what a filter of exact
-// distributions would give: a reference whose only difference from a baked map is what the map's texels cannot say.
+// Draws one finest texel of those that the texture's filter averages at a place, with its weight in the filter. It
+// draws a tap evenly among those of the footprint, a level by the fraction of the level of detail, a texel of that
+// level by the bilinear weights, and a finest texel evenly among those that this texel covers. The mean of many draws
+// is the result of filtering exact distributions: this reference differs from a baked map only by the limits of the
+// map's texels.
 uniform int u_wrap_s, u_wrap_t;  // 0 black, 1 clamp, 2 periodic, 3 mirror
 const ivec2 MULTUM_NO_TEXEL = ivec2(-1);
 
@@ -12,8 +13,8 @@ uint multum_hash(uint v) {  // Jarzynski and Olano 2020, "pcg"
   return (word >> 22u) ^ word;
 }
 
-// The n-th of six coordinates of Roberts' sequence, g^7 = g + 1, shifted by the pixel's own hash. The products are
-// taken modulo 2^32 in whole numbers: in floats they would lose their fractions.
+// Returns the n-th of six coordinates of Roberts' sequence, g^7 = g + 1, shifted by the pixel's own hash. The products
+// are computed modulo 2^32 in integers; in floats they would lose their fractions.
 float multum_random(int n) {
   // 2^32 / g^(n+1)
   const uint steps[6] = uint[6](3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u);
@@ -25,12 +26,12 @@ int multum_wrapped(int i, int size, int mode) {
   if (mode == 1) return clamp(i, 0, size - 1);
   if (mode == 0) return i >= 0 && i < size ? i : -1;
   int period = mode == 2 ? size : 2 * size;
-  // Whole numbers alone: 37.0 / 37.0 is less than 1 where a GPU divides by multiplying (seen on NVIDIA 580).
+  // Uses only integers: 37.0 / 37.0 is less than 1 on a GPU that divides by multiplying (seen on NVIDIA 580).
   i -= period * (i >= 0 ? i / period : -1 - (-1 - i) / period);
   return i < size ? i : period - 1 - i;
 }
 
-// Of the finest level; MULTUM_NO_TEXEL beyond a black border.
+// Returns a texel of the finest level, or MULTUM_NO_TEXEL beyond a black border.
 ivec2 multum_footprint_texel(sampler2D map, vec2 st, MultumFootprint footprint) {
   ivec2 size = textureSize(map, 0);
   float level_max = floor(log2(float(max(size.x, size.y))) + 1e-4);

@@ -1,32 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of one filtered planar Gaussian: Tan et al. 2005, section 3. Stands behind movmf_shading.glsl, of which it
-// has the constants. A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude, mean (n_x, n_y),
-// variance of one coordinate. All are linear in the normals: let the hardware filter them.
+// Shades one filtered planar Gaussian: Tan et al. 2005, section 3. Follows movmf_shading.glsl, whose constants it uses.
+// A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude, mean (n_x, n_y), variance of one
+// coordinate. All are linear in the normals: let the hardware filter them.
 //
-// The model is for facets that scatter as a Gaussian over (n_x, n_y) too, so that variances add.
+// In this model, facets also scatter as a Gaussian over (n_x, n_y), so variances add.
 // kernels/device/gmm_shading.clh has the same formulas; tests/agreement compares both with double precision.
 
-const float MULTUM_GMM_VARIANCE_MIN = 1e-7;  // sigma^2 of floats near 1
+const float MULTUM_GMM_VARIANCE_MIN = 1e-7;  // rounding of sigma^2 from floats near 1
 
 vec2 multum_gmm_mean(vec4 lobe) { return lobe.xy / max(lobe.w, MULTUM_AMPLITUDE_MIN); }
 
-// A point of the plane on the sphere above it.
+// Returns the point of the sphere above a point of the plane.
 vec3 multum_gmm_lifted(vec2 p) { return vec3(p, sqrt(max(1.0 - dot(p, p), 0.0))); }
 
-// sigma^2 of the filtered lobe, never negative: T(a (2 sigma^2 + |mu|^2)) / T(a) - |T(a mu) / T(a)|^2 is 2 sigma^2.
+// Returns sigma^2 of the filtered lobe, never negative: T(a (2 sigma^2 + |mu|^2)) / T(a) - |T(a mu) / T(a)|^2 is 2
+// sigma^2.
 float multum_gmm_variance(vec4 lobe) {
   vec2 mean = multum_gmm_mean(lobe);
   return max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0);
 }
 
-// sigma^2 about the lobe's mean of facets that have the distribution of normalised Blinn-Phong of exponent s: 1/(s + 3)
-// about an upright normal, foreshortened in one of two directions about a tilted one.
+// Returns sigma^2, about the lobe's mean, of facets with the distribution of normalised Blinn-Phong of exponent s: 1/(s
+// + 3) about an upright normal, foreshortened in one of two directions about a tilted normal.
 float multum_gmm_facet_variance(vec4 lobe, float s) {
   vec2 mean = multum_gmm_mean(lobe);
   return (1.0 - 0.5 * min(dot(mean, mean), 1.0)) / (s + 3.0);
 }
 
-// The facets' density per solid angle at the unit vector h over the lobe, amplitude included: D(h) = G(h_x, h_y) h_z.
+// Returns the facets' density per solid angle at the unit vector h over the lobe, times the amplitude: D(h) = G(h_x,
+// h_y) h_z.
 float multum_gmm_density(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   vec2 d = h.xy - multum_gmm_mean(lobe);
@@ -34,14 +36,14 @@ float multum_gmm_density(vec4 lobe, vec3 h, float s) {
   return lobe.w / (2.0 * MULTUM_PI * variance) * exp(-0.5 * dot(d, d) / variance) * max(h.z, 0.0);
 }
 
-// Tan's Lambert term, max(mu . l, 0) with the mean lifted to the sphere; amplitude included.
+// Returns Tan's Lambert term, max(mu . l, 0) with the mean lifted to the sphere, times the amplitude.
 float multum_gmm_lambert(vec4 lobe, vec3 l) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   return lobe.w * max(dot(multum_gmm_lifted(multum_gmm_mean(lobe)), l), 0.0);
 }
 
-// The Gaussian of a mean normal (a n, a), of levels that a file leaves to the normal map: E[x^2 + y^2] = 1 - E[z^2],
-// for which 1 less the square of the mean stands.
+// Returns the Gaussian of a mean normal (a n, a), for levels that a file leaves to the normal map. E[x^2 + y^2] = 1 -
+// E[z^2] is approximated by 1 minus the square of the mean.
 vec4 multum_gmm_normal_map(vec4 mean) {
   return vec4(mean.xy, mean.w - mean.z * mean.z / max(mean.w, MULTUM_AMPLITUDE_MIN), mean.w);
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of filtered moments: Toksvig's rule (Toksvig 2005) from the mean normal, and LEAN (Olano and Baker 2010) from
-// the moments of slopes. Paste this file behind movmf_shading.glsl and brdf/blinn_phong.glsl. The textures of a baked
-// file of moments (docs/reference/file_format.md, "Moments"), filtered by hardware:
+// Shades filtered moments: Toksvig's rule (Toksvig 2005) with the mean normal, and LEAN (Olano and Baker 2010) with the
+// moments of slopes. Paste this file after movmf_shading.glsl and brdf/blinn_phong.glsl. The textures of a baked file
+// of moments (docs/reference/file_format.md, "Moments"), filtered by hardware:
 //
 //     vec4 mean = texture(mean_map, uv);       // E[n], E[b_s b_t]
 //     vec4 slopes = texture(slope_map, uv);    // E[b_s], E[b_t], E[b_s^2], E[b_t^2]; b = -(n_x, n_y) / n_z
 //     float facets = multum_moments_lean(slopes, mean.w, h, s, true);      // or multum_moments_toksvig(mean.xyz, h, s)
 //     radiance += albedo / pi * max(dot(mean.xyz, l), 0.0) + k_s * facets * max(dot(normalize(mean.xyz), l), 0.0);
 //
-// Lambert of the mean, max(E[n] . l, 0), is exact where no normal faces away from the light.
+// Lambert of the mean, max(E[n] . l, 0), is exact if no normal faces away from the light.
 
-// Blinn-Phong of exponent s, its exponent shortened to g s by the mean normal's length L: g = L / (L + s (1 - L)).
+// Blinn-Phong whose exponent s is reduced to g s by the mean normal's length L: g = L / (L + s (1 - L)).
 float multum_moments_toksvig(vec3 mean_normal, vec3 h, float s) {
   float size = length(mean_normal);
   if (size <= 1e-12) return 0.0;
@@ -18,17 +18,16 @@ float multum_moments_toksvig(vec3 mean_normal, vec3 h, float s) {
   return multum_blinn_phong(gloss * s, multum_one_minus_cosine(mean_normal / size, h));
 }
 
-// The density of slopes at that of h: a Gaussian whose covariance is the slopes' plus 1/s, the variance that
-// Blinn-Phong s stands for. With the Jacobian, dslope / dsolid angle = 1 / cos^3, it is a density per solid angle, as
-// Blinn-Phong is. Variances that rounding left below zero count as
-// none, correlations beyond 1 as 1.
+// Returns the density of slopes at the slope of h: a Gaussian with the slopes' covariance plus 1/s, the variance of
+// Blinn-Phong with exponent s. The Jacobian, dslope / dsolid angle = 1 / cos^3, makes it a density per solid angle, as
+// Blinn-Phong is. Variances that rounding made negative count as 0, and correlations above 1 count as 1.
 float multum_moments_lean(vec4 slopes, float cross_moment, vec3 h, float s, bool with_jacobian) {
   if (h.z <= 1e-4) return 0.0;
   float base = 1.0 / s;
   vec2 variance = max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0));
   float limit = sqrt(variance.x * variance.y);
   float covariance = clamp(cross_moment - slopes.x * slopes.y, -limit, limit);
-  // Of Sigma + I/s, so that what cancels, the determinant of Sigma, is no more than a part of it.
+  // Determinant of Sigma + I/s. The determinant of Sigma, whose terms cancel, is only a part of it.
   float determinant = base * (base + variance.x + variance.y) +
                       max(variance.x * variance.y - covariance * covariance, 0.0);
   vec2 b = -h.xy / h.z - slopes.xy;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of one lobe of a filtered mixture of von Mises-Fisher (vMF) lobes: Han et al. 2007, sections 4 and 7.
-// Paste this file, and behind it those of brdf/ that are wanted, into any GLSL 330 or ES 300 shader (`precision highp
-// float;` there): while no flag is defined they have no uniforms, samplers or outputs. A texel holds, per lobe,
-// (a r_x, a r_y, a r_z, a): amplitude a, mean vector r of the lobe's normals in tangent space. Let the hardware filter
-// it, call a function for every lobe, and add what they return:
+// Shades one lobe of a filtered mixture of von Mises-Fisher (vMF) lobes: Han et al. 2007, sections 4 and 7. Paste this
+// file, followed by the files of brdf/ that you need, into any GLSL 330 or ES 300 shader (`precision highp float;`
+// there). Without flags these files have no uniforms, samplers or outputs. A texel holds, per lobe, (a r_x, a r_y, a
+// r_z, a): amplitude a, and mean vector r of the lobe's normals in tangent space. Let the hardware filter it, call a
+// function for every lobe, and add the results:
 //
 //     vec4 lobe = texture(lobe_map, uv);
 //     float facets = multum_movmf_blinn_phong(lobe, h, s);          // l, h: unit, tangent space
@@ -14,34 +14,35 @@
 // multum_normal_map_share() at the end.
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
-// with the lobe, amplitude included; a lobe of amplitude 0 (no material, or a lobe that does not occur here) returns 0.
-// The highlight's own cosine max(n . l, 0) depends on n too: multum_movmf_highlight_cosine() is its mean over f(n . h)
-// vMF(n), and docs/contributing/ALGORITHMS.md, "The highlight's cosine", what was tried beside it.
+// with the lobe, times the amplitude. A lobe of amplitude 0 (no material, or a lobe that does not occur here) returns
+// 0.
+// The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over f(n . h)
+// vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
 
 const float MULTUM_PI = 3.14159265358979;
-const float MULTUM_AMPLITUDE_MIN = 1e-6;  // below: no lobe; 1/32767, the least stored amplitude, is 30 times this
+const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller: no lobe; 1/32767, the least stored amplitude, is 30 times this
 
-// 1 - |r|, the lobe's spread: 0 = one direction, 1 = all directions. Formed from (a - |a r|) / a; rounding of stored
-// values can leave |r| a little above 1, which means 1.
+// Returns 1 - |r|, the lobe's spread: 0 = one direction, 1 = all directions. Computed as (a - |a r|) / a; rounding of
+// stored values can make |r| slightly larger than 1, which means 1.
 float multum_movmf_spread(vec4 lobe) {
   return max(lobe.w - length(lobe.xyz), 0.0) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 }
 
-// The mean direction mu; any unit vector when r = 0, where nothing depends on it.
+// Returns the mean direction mu, or any unit vector for r = 0, where nothing depends on it.
 vec3 multum_movmf_mean_direction(vec4 lobe) {
   float size = length(lobe.xyz);
   return size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0);
 }
 
-// 1 - mu . w = |mu - w|^2 / 2 for unit vectors: no cancellation where the dot product is close to 1.
+// Returns 1 - mu . w = |mu - w|^2 / 2 for unit vectors, without cancellation for dot products close to 1.
 float multum_one_minus_cosine(vec3 mu, vec3 w) {
   vec3 difference = mu - w;
   return 0.5 * dot(difference, difference);
 }
 
-// kappa from q = 1 - A, A = coth kappa - 1/kappa the mean cosine of a vMF. Banerjee's kappa = A (3 - A^2) / (1 - A^2)
-// with its factor 3 - A^2 refined by a polynomial that keeps both ends exact: 2.3e-4 at most, no branch, no iteration.
-// 1 - A^2 = q (2 - q).
+// Returns kappa for q = 1 - A, where A = coth kappa - 1/kappa is the mean cosine of a vMF. Uses Banerjee's kappa = A (3
+// - A^2) / (1 - A^2), with its factor 3 - A^2 refined by a polynomial that keeps both ends exact. Relative error at
+// most 2.3e-4, no branch, no iteration. 1 - A^2 = q (2 - q).
 float multum_vmf_kappa(float q) {
   float mean_cosine = 1.0 - q;
   float x = mean_cosine * mean_cosine;
@@ -49,29 +50,30 @@ float multum_vmf_kappa(float q) {
   return mean_cosine * (3.0 - x + x * (1.0 - x) * p) / max(q * (2.0 - q), 1e-12);
 }
 
-// vMF density kappa / (4 pi sinh kappa) exp(kappa t) in the form that neither overflows nor divides 0 by 0;
-// e = 1 - t. exp(-2 kappa) is 1 - 2 kappa + ... near 0: the quotient is 1/2 there.
+// Returns the vMF density kappa / (4 pi sinh kappa) exp(kappa t) in a form that neither overflows nor divides 0 by 0; e
+// = 1 - t. Near 0, exp(-2 kappa) is 1 - 2 kappa + ..., so the quotient is 1/2 there.
 float multum_vmf_density(float kappa, float e) {
   float scale = kappa > 1e-3 ? kappa / (1.0 - exp(-2.0 * kappa)) : 0.5 * (1.0 + kappa);
   return scale / (2.0 * MULTUM_PI) * exp(-kappa * e);
 }
 
-// 1 - A(kappa) = 1/kappa - 2 / (exp(2 kappa) - 1), and the first terms of its series where that cancels.
+// Returns 1 - A(kappa) = 1/kappa - 2 / (exp(2 kappa) - 1), or the first terms of its series where that cancels.
 float multum_vmf_spread(float kappa) {
   if (kappa < 0.1) return 1.0 - kappa * (1.0 / 3.0 - kappa * kappa / 45.0);
   return 1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0);
 }
 
-// Where a BRDF's width is in the lobes (multum:roughness), they are shorter than the normals' own, by a factor that is
-// known in the mean over the map alone (multum:meanCosine): what diffuse light, which knows no roughness, takes.
+// Returns the lobe without a BRDF's width, for diffuse light, which does not depend on roughness. If lobes contain a
+// BRDF's width (multum:roughness), they are shorter than the lobes of the normals. Only the mean of that factor over
+// the map is known (multum:meanCosine).
 vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
   return vec4(lobe.xyz * min(1.0 / mean_cosine, lobe.w / max(length(lobe.xyz), 1e-12)), lobe.w);
 }
 
-// The mean of max(n . l, 0) over a vMF of spread d = 1 - |r|, t the cosine between its mean direction and l. With
-// m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l, and E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape of a
-// folded normal distribution's mean: v = (E|x|)^2 at t = 0, g = polynomial in m^2 / v. At most 0.22 % relative L1 over
-// the sphere of l (spherical harmonics to l = 2: 2-3 %); max(t, 0) at |r| = 1 and 1/4 at r = 0 are exact.
+// Returns the mean of max(n . l, 0) over a vMF of spread d = 1 - |r|, where t is the cosine between its mean direction
+// and l. With m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l. E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape
+// of the mean of a folded normal distribution: v = (E|x|)^2 at t = 0, g = polynomial in m^2 / v. Relative L1 error over
+// the sphere of l at most 0.22 % (spherical harmonics to l = 2: 2-3 %). Exact: max(t, 0) at |r| = 1, and 1/4 at r = 0.
 float multum_vmf_mean_cosine(float d, float t) {
   float r = 1.0 - d;
   float m = r * t;
@@ -81,33 +83,35 @@ float multum_vmf_mean_cosine(float d, float t) {
   return 0.5 * (m + sqrt(m * m + v * exp(-g)));
 }
 
-// Lambert, max(n . l, 0), convolved with the lobe; the caller multiplies by albedo / pi.
+// Returns Lambert, max(n . l, 0), convolved with the lobe; the caller multiplies by albedo / pi.
 float multum_movmf_lambert(vec4 lobe, vec3 l) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   return lobe.w * multum_vmf_mean_cosine(multum_movmf_spread(lobe), dot(multum_movmf_mean_direction(lobe), l));
 }
 
-// Those normals of the lobe that reflect from l to the eye: they are distributed as f(n . h) vMF(n), and where f is a
-// vMF about h of concentration facet_kappa, that is one too, of mean vector facet_kappa h + kappa mu, whose length is
-// the concentration. xyz: its mean direction; w: its spread.
+// Returns the normals of the lobe that reflect from l to the eye. Their distribution is f(n . h) vMF(n). If f is a vMF
+// about h of concentration facet_kappa, their distribution is also a vMF. Its mean vector is facet_kappa h + kappa mu,
+// and the length of this vector is its concentration. xyz: mean direction; w: spread.
 vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
   float d = multum_movmf_spread(lobe);
   vec3 sum = facet_kappa * h + multum_vmf_kappa(d) * multum_movmf_mean_direction(lobe);
   float size = length(sum);
-  return vec4(sum / max(size, 1e-6), d > 0.0 ? multum_vmf_spread(size) : 0.0);  // a single direction is that normal
+  return vec4(sum / max(size, 1e-6), d > 0.0 ? multum_vmf_spread(size) : 0.0);  // one direction: that normal
 }
 
-// The highlight's cosine: the mean of max(n . l, 0) over those normals. Times f over the lobe it is the integral of
-// f(n . h) max(n . l, 0): of vMFs but for the 0.22 % above; of Blinn-Phong, as the vMF of the same mean cosine, at most
-// 5.5 % off (relative L1 over l and the eye) at s = 1, 1.2 % from 5, 0.25 % from 20.
+// Returns the highlight's cosine: the mean of max(n . l, 0) over those normals. Times f over the lobe, it is the
+// integral of f(n . h) max(n . l, 0). For vMFs the integral is exact except for the 0.22 % above. For Blinn-Phong,
+// replaced by the vMF of the same mean cosine, the relative L1 error over l and the eye is at most 5.5 % at s = 1, 1.2
+// % from 5 and 0.25 % from 20.
 float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa) {
   vec4 normals = multum_movmf_reflecting_normals(lobe, h, facet_kappa);
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
 }
 
-// A normal drawn from the lobe's vMF, `xi` evenly from the unit square: for renderers that keep one normal a pixel, as
-// deferred ones do. Draw the lobe by amplitude, the normal here, and shade it with the material's own roughness: the
-// mean over frames is the sum over lobes. 1 - cosine by inversion (Ulrich 1984), tangents by Duff et al. 2017.
+// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. For renderers that keep one normal
+// per pixel, as deferred renderers do: draw the lobe by amplitude, draw the normal here, and shade it with the
+// material's own roughness. The mean over frames is the sum over lobes. 1 - cosine by inversion (Ulrich 1984), tangents
+// by Duff et al. 2017.
 vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   vec3 mu = multum_movmf_mean_direction(lobe);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-3);
@@ -122,11 +126,12 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   return (1.0 - e) * mu + across * (cos(phi) * s + sin(phi) * t);
 }
 
-// The mean of a normal map's normals where a pixel is smaller than a texel, or not much larger: between texels the
-// filter's mean is as short as if the pixel saw all four of them. Where normals turn by g a texel it loses g^2 / 6 on
-// average, and a pixel w texels wide sees a variance of g^2 w^2 / 12: w^2 / 2 of it, and all from w^2 = 2 on, where
-// coarser levels take over. `map_lod` is log2 w, w the pixel's longer side; `lobe` (a r, a), a less than 1 at a black
-// border alone. Not for files with roughness in their lobes (multum:roughness): lengths are the BRDF's width, too.
+// Returns the mean of a normal map's normals for a pixel that is smaller than a texel, or slightly larger. Between
+// texels the filter's mean is as short as if the pixel saw all four of them. If normals turn by g per texel, the mean
+// loses g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2 of this loss, and the
+// whole loss from w^2 = 2 on, where coarser levels take over. `map_lod` is log2 w, where w is the pixel's longer side.
+// `lobe` is (a r, a); a is less than 1 only at a black border. Not for files with roughness in their lobes
+// (multum:roughness), because their lengths also contain the BRDF's width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);
   if (size <= MULTUM_AMPLITUDE_MIN) return lobe;
@@ -134,20 +139,20 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   return vec4(lobe.xyz * (mix(lobe.w, size, seen) / size), lobe.w);
 }
 
-// The normal map as one more lobe, for files whose finest stored level L = multum:firstLevel is not 0. The lobe maps
-// begin at L; the levels finer than L are the normal map's own, whose mips must be averages of unit vectors that keep
-// their length (a float or snorm texture with x, y and z, or an unsigned one decoded after filtering): that length is
-// the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
+// Returns the share of the normal map, one more lobe in files whose finest stored level L = multum:firstLevel is not 0.
+// The lobe maps begin at L; the levels finer than L come from the normal map. Its mips must be averages of unit vectors
+// that keep their length (a float or snorm texture with x, y and z, or an unsigned one decoded after filtering). That
+// length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
 //
 //     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
 //     float share = multum_normal_map_share(lod);
 //     vec4 lobe = share * multum_movmf_magnified(vec4(texture(normal_map, uv).xyz, 1.0), lod + L);   // shade it, and
 //     vec4 lobe_J = (1.0 - share) * texture(lobe_map[J], uv);                                        // for every J it
 //
-// `lod` is the level of detail that the lobe maps ask for before it is clamped: 0 at L, -1 at L - 1. From L on the
-// share of the normal map is 0, up to L - 1 it is 1, and between them it mixes linearly, as trilinear filtering would.
-// Everything above is linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of
-// detail must stop at L - 1 (GL_TEXTURE_MAX_LEVEL, or textureLod): its coarser levels are what the lobes replace. This
-// lobe's colour is the albedo map's. An anisotropic sampler's `lod` is of the pixel's shorter side: the longer one that
-// multum_movmf_magnified() takes is the larger of dFdx and dFdy of uv times the map's size.
+// `lod` is the level of detail of the lobe maps before clamping: 0 at L, -1 at L - 1. From L on the normal map's share
+// is 0, up to L - 1 it is 1, and between them it mixes linearly, as trilinear filtering would. Everything above is
+// linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of detail must stop at L -
+// 1 (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour comes from the
+// albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side. multum_movmf_magnified() needs the
+// longer side: the larger of dFdx and dFdy of uv times the map's size.
 float multum_normal_map_share(float lod) { return clamp(-lod, 0.0, 1.0); }

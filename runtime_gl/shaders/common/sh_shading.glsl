@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filtered spherical harmonics of the normals under a fragment (Han et al. 2007, section 5), as `multum bake --ndf sh`
-// stores them: four coefficients a layer of a texture array, l*l + l + m - 1 of (l, m) from l = 1. Linear: hardware
-// filters them exactly, whatever the spread. A renderer defines
+// Shades filtered spherical harmonics of the normals under a fragment (Han et al. 2007, section 5), in the format of
+// `multum bake --ndf sh`: four coefficients per layer of a texture array, l*l + l + m - 1 of (l, m) from l = 1. They
+// are linear, so hardware filters them exactly, for any spread. A renderer defines
 //
-//     MULTUM_SH_ORDER    the file's, multum:shOrder
+//     MULTUM_SH_ORDER    the order of the file, multum:shOrder
 //     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)
 //                        of l = m + 1 to the order (host/formats/asset/averages/spherical_harmonics.h, sh_recurrence())
 //
 // and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt: any BRDF of one
-// angle, at run time. What it gets is cut off above the order. Of a sharp highlight that is a blur with rings, whose
-// parts below 0 are clamped. No window is put over the coefficients: every one that was tried is farther from the
-// reference wherever the order suffices (docs/contributing/ALGORITHMS.md, "Spherical harmonics", has the figures).
+// angle, at run time. The result is cut off above the order. For a sharp highlight the cut-off causes a blur with
+// rings, whose negative parts are clamped. No window is applied to the coefficients: every window that was tried has a
+// higher error wherever the order is sufficient (docs/contributing/ALGORITHMS.md, "Spherical harmonics", has the
+// figures).
 //
-// The same formulas stand in kernels/device/spherical_harmonics.clh; tests/agreement compares both with double
-// precision.
+// kernels/device/spherical_harmonics.clh has the same formulas; tests/agreement compares both with double precision.
 
 #define MULTUM_SH_COUNT (MULTUM_SH_ORDER * (MULTUM_SH_ORDER + 2))
 #define MULTUM_SH_PARTS ((MULTUM_SH_COUNT + 3) / 4)
@@ -26,8 +26,8 @@ float multum_sh_coefficient(vec4 parts[MULTUM_SH_PARTS], int l, int m) {
   return parts[i >> 2][i & 3];
 }
 
-// bands[l] = sum over m of g_lm Y_lm(w) of a unit w. `share` multiplies the coefficient of l = 0, which is not stored.
-// Every loop has constant bounds, so that compilers take them apart.
+// Computes bands[l] = sum over m of g_lm Y_lm(w) for a unit w. `share` multiplies the coefficient of l = 0, which is
+// not stored. Every loop has constant bounds, so that compilers can unroll it.
 void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float bands[MULTUM_SH_ORDER + 1]) {
   bands[0] = share * MULTUM_SH_CONSTANT * MULTUM_SH_CONSTANT;
   for (int l = 1; l <= MULTUM_SH_ORDER; ++l) bands[l] = 0.0;
@@ -50,10 +50,10 @@ void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float
   }
 }
 
-// E[n], from the band of l = 1.
+// Returns E[n], from the band l = 1.
 vec3 multum_sh_mean_normal(vec4 parts[MULTUM_SH_PARTS]) { return parts[0].zxy / 0.48860251; }
 
-// E[n n^T], from the band of l = 2; of order 1, which has none, as if all directions were alike.
+// Returns E[n n^T], from the band l = 2. Order 1 has no such band; the result is then that of uniform directions.
 mat3 multum_sh_second_moments(vec4 parts[MULTUM_SH_PARTS]) {
 #if MULTUM_SH_ORDER < 2
   return mat3(1.0 / 3.0);
@@ -65,7 +65,8 @@ mat3 multum_sh_second_moments(vec4 parts[MULTUM_SH_PARTS]) {
 #endif
 }
 
-// max(n . l, 0), integrated over the normals: a_l = pi, 2 pi/3, pi/4, 0, -pi/24, 0, ..., a_l = a_l-2 (3 - l)/(l + 2).
+// Returns max(n . l, 0), integrated over the normals: a_l = pi, 2 pi/3, pi/4, 0, -pi/24, 0, ..., a_l = a_l-2 (3 - l)/(l
+// + 2).
 float multum_sh_lambert(vec4 parts[MULTUM_SH_PARTS], float share, vec3 light) {
   float bands[MULTUM_SH_ORDER + 1];
   multum_sh_bands(parts, share, light, bands);
@@ -78,7 +79,7 @@ float multum_sh_lambert(vec4 parts[MULTUM_SH_PARTS], float share, vec3 light) {
   return max(sum, 0.0);
 }
 
-// f(n . h), integrated over the normals, of a BRDF's zonal coefficients.
+// Returns f(n . h), integrated over the normals, for a BRDF with the given zonal coefficients.
 vec3 multum_sh_facets(vec4 parts[MULTUM_SH_PARTS], float share, vec3 h, vec3 zonal[MULTUM_SH_ORDER + 1]) {
   float bands[MULTUM_SH_ORDER + 1];
   multum_sh_bands(parts, share, h, bands);

@@ -1,47 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lookups of mip-mapped textures over the area that a pixel covers, the same on every driver: N trilinear lookups
-// ("taps") along the longer of the two lengths by which a pixel's coordinates grow, at the level of the shorter one, in
-// the manner of GL_EXT_texture_filter_anisotropic's example. Textures of lobes, moments and harmonics are linear in the
-// normals, so the mean of taps is what a wider filter would return.
+// Looks up mip-mapped textures over the area that a pixel covers, in the same way on every driver. Takes N trilinear
+// lookups ("taps") along the longer of the two lengths by which a pixel's coordinates grow, at the level of the shorter
+// length, similar to the example of GL_EXT_texture_filter_anisotropic. Textures of lobes, moments and harmonics are
+// linear in the normals, so the mean of taps equals the result of a wider filter.
 //
 //   longer, shorter   of |d(s, t)/dx| and |d(s, t)/dy|, in texels of level 0
 //   N                 ceil(longer / shorter), at most MULTUM_TAPS
 //   tap i of 0..N-1   at ((i + 1/2) / N - 1/2) times the longer derivative from the middle
 //   level             u_level_bias + log2(longer) of one tap, max(log2(shorter), log2(longer / N) - 0.75) of several
 //
-// With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. The extension's example differs: it takes the
-// level of longer / N, which for ratios just above a whole number is up to an octave finer than the shorter length and
-// sparkles across; and its taps lie 1 / (N + 1) apart. Neighbouring taps overlap, since a trilinear lookup reaches
-// twice as far as its level's texel is wide, so along the axis a finer level serves: of 0, 0.5, 0.75 and 1 octave 0.75
-// came nearest to references of six real maps (2 taps, bias -0.25: 8.5 % where the example has 9.9 %).
+// With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. The extension's example differs in two ways.
+// It uses the level of longer / N, which for ratios just above a whole number is up to an octave finer than the shorter
+// length and sparkles across it; and its taps are 1 / (N + 1) apart. A trilinear lookup reaches twice the width of its
+// level's texel, so neighbouring taps overlap, and a finer level is enough along the axis. Of 0, 0.5, 0.75 and 1
+// octave, 0.75 had the lowest error against references of six real maps (2 taps, bias -0.25: 8.5 %; the example has 9.9
+// %).
 // u_level_bias < 0 sharpens: at -0.79 one tap on a square footprint has the variance of the pixel's own box
 // (docs/evidence/WILLIAMS.md, "The factor").
 //
-// MULTUM_DRIVER_FILTER leaves all of this to the driver's sampler instead.
+// With MULTUM_DRIVER_FILTER the driver's sampler does all of this instead.
 #ifndef MULTUM_TAPS
 #define MULTUM_TAPS 1
 #endif
 
 struct MultumFootprint {
-  vec2 tap_step;  // between neighbouring taps, in st
+  vec2 tap_step;  // distance between neighbouring taps, in st
   int tap_count;
-  float level;  // before it is clamped; negative where the texture is magnified
+  float level;  // before clamping; negative if the texture is magnified
 };
 
 const float MULTUM_TAP_OVERLAP = 0.594603558;  // 2^-0.75
 
 uniform float u_level_bias;
 
-// Where the first tap lies; the others follow by tap_step.
+// Returns the place of the first tap; the others follow by tap_step.
 vec2 multum_first_tap(vec2 st, MultumFootprint footprint) {
   return st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
 }
 
-// `along_x`, `along_y`: derivatives of st along a row and a column of pixels, in texels of level 0; `size`: level 0's.
+// `along_x`, `along_y`: derivatives of st along a row and a column of pixels, in texels of level 0. `size`: the size of
+// level 0.
 MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
   float length_x = length(along_x), length_y = length(along_y);
   float longer = max(length_x, length_y), shorter = min(length_x, length_y);
-  // A ratio that is a whole number but for rounding must not cost one more tap.
+  // A whole-number ratio with a rounding error must not cost one more tap.
   float ratio = min(longer / max(shorter, 1e-20), float(MULTUM_TAPS));
   int count = max(int(ceil(ratio - 1e-3)), 1);
   float width = count == 1 ? longer : max(shorter, longer / float(count) * MULTUM_TAP_OVERLAP);
@@ -50,8 +52,8 @@ MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
 }
 
 #ifdef MULTUM_DRIVER_FILTER
-// Of what the driver will do the level alone is known, of an anisotropic filter that of the shorter length; the longer
-// one stands as the step of its one tap.
+// Only the level of the driver's lookup is known; with an anisotropic filter it is the level of the shorter length. The
+// longer length is stored as the step of the single tap.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0)), x = dFdx(st), y = dFdy(st);
   return MultumFootprint(length(x * size) > length(y * size) ? x : y, 1, textureQueryLod(map, st).y);
@@ -68,12 +70,12 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 }
 #else
 #ifdef MULTUM_EVALUATIONS
-vec2 multum_part = vec2(1.0);  // of the pixel's width and height, that a footprint covers
+vec2 multum_part = vec2(1.0);  // share of the pixel's width and height that a footprint covers
 #else
 const vec2 multum_part = vec2(1.0);
 #endif
 
-// Takes derivatives: call it where every fragment does.
+// Takes derivatives: call it only where every fragment does.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0));
   return multum_footprint_of(multum_part.x * dFdx(st) * size, multum_part.y * dFdy(st) * size, size);
@@ -108,7 +110,7 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 #endif
 #endif
 
-// The level of detail of all taps together: that of the longer length, which a trilinear filter alone would take.
+// Returns the level of detail of all taps together: that of the longer length, which a trilinear filter would use.
 float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
 #ifdef MULTUM_DRIVER_FILTER
   return max(footprint.level, log2(max(length(footprint.tap_step * vec2(size)), 1e-15)));
@@ -118,14 +120,14 @@ float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
 #endif
 }
 
-// The footprint on another texture over the same coordinates: levels are counted from its own finest.
+// Returns the footprint on another texture with the same coordinates; levels count from that texture's finest level.
 MultumFootprint multum_footprint_on(MultumFootprint footprint, ivec2 from_size, ivec2 to_size) {
   float octaves = log2(float(max(to_size.x, to_size.y)) / float(max(from_size.x, from_size.y)));
   return MultumFootprint(footprint.tap_step, footprint.tap_count, footprint.level + octaves);
 }
 
-// One lobe of the normal map that has the levels finer than those stored, over the footprint on it (behind
-// movmf_shading.glsl): of lobes without roughness in them no wider than what a pixel sees.
+// Returns one lobe of the normal map, which has the levels finer than the stored ones, over its footprint (after
+// movmf_shading.glsl). Without roughness in the lobes, the lobe is not wider than the normals that a pixel sees.
 vec4 multum_normal_map_lobe(sampler2D map, vec2 st, MultumFootprint footprint) {
   vec4 lobe = multum_filtered(map, st, footprint);
 #ifndef MULTUM_ROUGHNESS

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zonal coefficients of a vMF: a_l = integral over the sphere of its density times P_l, by which it multiplies the
-// harmonics of order l (behind movmf_shading.glsl).
+// Zonal coefficients of a vMF: a_l = integral over the sphere of its density times P_l. The vMF multiplies the
+// harmonics of order l by a_l (after movmf_shading.glsl).
 #ifndef MULTUM_VMF_ZONAL_ORDER
 #define MULTUM_VMF_ZONAL_ORDER 8
 #endif
 
-// a_2 = 1 - 3 |r| / kappa; near r = 0, where that cancels, 3/5 r^2.
+// Returns a_2 = 1 - 3 |r| / kappa, or 3/5 r^2 near r = 0, where that cancels.
 float multum_vmf_second_zonal(float r, float kappa) { return r > 0.1 ? 1.0 - 3.0 * r / kappa : 0.6 * r * r; }
 
-// a_l = a_(l-1) R_l, R_l = 1 / ((2 l + 1) / kappa + R_(l+1)), downward from the asymptotic quotient twelve orders
-// above.
+// Computes a_l = a_(l-1) R_l, R_l = 1 / ((2 l + 1) / kappa + R_(l+1)), downwards from the asymptotic quotient twelve
+// orders above.
 void multum_vmf_zonal(float kappa, out float zonal[MULTUM_VMF_ZONAL_ORDER + 1]) {
   const int above = MULTUM_VMF_ZONAL_ORDER + 12;
   float middle = float(above) + 0.5;

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light from everywhere on a lobe of normals (a r, a): diffuse by the environment's harmonics up to l = 2 (Ramamoorthi
+// Light of an environment on a lobe of normals (a r, a): diffuse by the environment's harmonics up to l = 2
+// (Ramamoorthi
 // and Hanrahan 2001; Han et al. 2007, eq. 25), the highlight by environment_sh.glsl or environment_levels.glsl.
-// Reflection tables (host/formats/light/reflection_table.h): a plane of (weight, plain) a term, then one of the
+// Reflection tables (host/formats/light/reflection_table.h): one plane of (weight, plain) per term, then one of the
 // Fresnel part; all in one texture.
 #define MULTUM_TABLE_COSINES 32.0
 #define MULTUM_TABLE_SPREADS 24.0
 uniform vec3 u_smooth_mean;               // L(n) = mean + linear . n + n . quadratic n
 uniform vec3 u_smooth_linear[3];          // a channel each
-uniform vec3 u_smooth_quadratic[9];       // three rows a channel
+uniform vec3 u_smooth_quadratic[9];       // three rows per channel
 uniform sampler2D u_reflection_table;
 
-// The integral of L(l) E[max(n.l, 0)] over normals whose harmonics of order 1 and 2 are those of mu times a1 and a2.
+// Returns the integral of L(l) E[max(n.l, 0)] over normals whose harmonics of order 1 and 2 are those of mu times a1
+// and a2.
 vec3 multum_irradiance(vec3 mu, float a1, float a2) {
   vec3 m = multum_environment_frame * mu;
   vec3 linear = vec3(dot(u_smooth_linear[0], m), dot(u_smooth_linear[1], m), dot(u_smooth_linear[2], m));
@@ -21,7 +23,7 @@ vec3 multum_irradiance(vec3 mu, float a1, float a2) {
   return max(MULTUM_PI * (u_smooth_mean + 2.0 / 3.0 * a1 * linear + 0.25 * a2 * quadratic), vec3(0.0));
 }
 
-// Between texel centres, within its plane.
+// Interpolates between texel centres, within the entry's plane.
 vec4 multum_reflection_entry(int plane, float cosine, float spread) {
   float x = 0.5 + (0.5 + 0.5 * cosine) * (MULTUM_TABLE_COSINES - 1.0);
   float y = 0.5 + pow(spread, 1.0 / 3.0) * (MULTUM_TABLE_SPREADS - 1.0) + float(plane) * MULTUM_TABLE_SPREADS;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light from everywhere on one normal by brute force. MULTUM_ENVIRONMENT_SAMPLES directions where the environment is
-// bright (host/formats/light/light_samples.h), as many cosine-weighted ones for the diffuse part, and as many half
-// vectors of a GGX as wide as the facets, whose tail no density here exceeds, for the highlight; a direction that two
-// of these could have found counts by the sum of both densities (Veach and Guibas 1995, the balance heuristic). A
-// low-discrepancy sequence, shifted by a hash of the pixel; `u_sample` counts pictures. The map is constant over a
-// texel.
+// Computes the light of an environment on one normal by brute force. Takes MULTUM_ENVIRONMENT_SAMPLES directions where
+// the environment is bright (host/formats/light/light_samples.h) and as many cosine-weighted ones for the diffuse part.
+// For the highlight it takes as many half vectors of a GGX as wide as the facets, whose tail no density here exceeds. A
+// direction that two of these could have found is weighted by the sum of both densities (Veach and Guibas 1995, the
+// balance heuristic). Uses a low-discrepancy sequence, shifted by a hash of the pixel; `u_sample` counts pictures. The
+// map is constant over a texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 
@@ -27,7 +27,7 @@ vec3 multum_direction(mat3 frame, float cosine, float phi) {
   return frame * vec3(sine * cos(phi), sine * sin(phi), cosine);
 }
 
-// Of a cosine-weighted direction, and of one found by a half vector of GGX; `alpha` is squared.
+// Return the density of a cosine-weighted direction, and of one found by a half vector of GGX; `alpha` is squared.
 float multum_cosine_density(float n_l) { return n_l / MULTUM_PI; }
 
 float multum_half_density(float alpha, float n_h, float v_h) {
@@ -36,7 +36,7 @@ float multum_half_density(float alpha, float n_h, float v_h) {
   return alpha * n_h / (MULTUM_PI * y * y) / (4.0 * max(v_h, 1e-6));
 }
 
-// The integrands: of the irradiance (without the diffuse factor), and of the highlight.
+// Return the integrands of the irradiance (without the diffuse factor) and of the highlight.
 vec3 multum_diffuse_integrand(vec3 radiance, float n_l, float v_h) {
   vec3 value = radiance * n_l;
 #ifdef MULTUM_FRESNEL_DIFFUSE
@@ -83,7 +83,8 @@ MultumReflection multum_environment_normal(vec3 n, vec3 v) {
   mat3 frame = mat3(side, cross(n, side), n);
   float alpha = 2.0 / (u_exponent + 2.0);
   for (int i = 0; i < MULTUM_ENVIRONMENT_SAMPLES; ++i) {
-    // Multiples of 1/g and 1/g^2, g^3 = g + 1, modulo 1 in whole numbers: nothing is lost however many there are.
+    // Multiples of 1/g and 1/g^2, g^3 = g + 1, modulo 1, in integers, so that no precision is lost for large sample
+    // counts.
     uint index = uint(u_sample * MULTUM_ENVIRONMENT_SAMPLES + i);
     vec2 u = vec2(shift + index * uvec2(3242174889u, 2447445414u)) * (1.0 / 4294967296.0);
     float phi = 2.0 * MULTUM_PI * u.y;

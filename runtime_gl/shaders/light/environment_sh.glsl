@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The highlight of a lobe under an environment by harmonics of the half vector (Han et al. 2007, section 8): the sum
-// over l and m of a_l(f) a_l(vMF) L'_lm Y_lm(mu). L' = 4 (v.h) (v.h) L(reflect(v, h)) depends on the view: its
-// coefficients stand in a texture over the picture, a plane for each (l, m), made for the frame's camera. The cosine
-// and what else depends on the normal come as the quotient of the reflection table's weight to that of 4 (v.h) (v.h).
+// Computes the highlight of a lobe under an environment by harmonics of the half vector (Han et al. 2007, section 8):
+// the sum over l and m of a_l(f) a_l(vMF) L'_lm Y_lm(mu). L' = 4 (v.h) (v.h) L(reflect(v, h)) depends on the view. Its
+// coefficients are in a texture over the picture, one plane per (l, m), computed for the frame's camera. The cosine and
+// other factors that depend on the normal enter as the reflection table's weight divided by that of 4 (v.h) (v.h).
 #define MULTUM_HALF_COUNT 81.0
 uniform sampler2D u_half_vector_light;
 uniform vec2 u_half_grid;  // columns and rows of a plane

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lights of a scene, as many as MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS say.
+// Lights of a scene, in the numbers given by MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS.
 uniform vec3 u_diffuse;   // k_d
 uniform vec3 u_specular;  // k_s
 #ifdef MULTUM_DIRECTIONAL_LIGHTS
@@ -19,7 +19,7 @@ vec3 multum_outgoing(MultumReflection reflection) {
   return radiance;
 }
 
-// For irradiance 1 of a surface that faces l.
+// Returns the radiance for irradiance 1 on a surface that faces l.
 vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
   vec3 h = multum_half_vector(l, v);
   MultumReflection reflection = multum_reflect(surface, l, v, h);
@@ -33,7 +33,7 @@ vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
   return multum_outgoing(reflection);
 }
 
-// `to_world`: tangent, bitangent, normal; l of the tangent space is l_world * to_world.
+// `to_world`: tangent, bitangent, normal; l in tangent space is l_world * to_world.
 vec3 multum_lights(MultumSurface surface, mat3 to_world, vec3 position, vec3 v) {
   vec3 radiance = vec3(0.0);
 #ifdef MULTUM_DIRECTIONAL_LIGHTS

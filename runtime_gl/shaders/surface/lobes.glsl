@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lobes of a texel, trilinear: textures and MultumSurface of movmf.glsl and gmm.glsl, which stand behind.
-// MULTUM_COLOURS: lobes have colours; MULTUM_MEAN_COLOURS: all have the same, of a texture of its own;
-// MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a
-// mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times weight k of the lobes.
-// MULTUM_DRAWN_LOBE: one normal alone, drawn from the lobes by amplitude for each of u_sample frames, at numbers of
-// blue_noise.glsl; with MULTUM_HASHED at those of footprint.glsl, which is white noise over the picture.
-// MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
-// lobes that are not aligned need; taps are shaded one by one then, too.
-// MULTUM_MAGNIFIED: between texels of level 0 lies the surface that an interpolated normal map shows, not their light.
-// MULTUM_WHOLE: amplitudes of a texel are 1 together, but for how they are stored, and are made so.
-// MULTUM_LOBE_LAYERS n: lobes come as multum export --lobes writes them, 1 or 2 layers of an array a lobe, from whose
-// four channels (a r, a) is made (docs/reference/lobe_textures.md, "Lobes for GPUs").
+// Lobes of a texel, trilinear: the textures and MultumSurface of movmf.glsl and gmm.glsl, which follow this file.
+// MULTUM_COLOURS: lobes have colours. MULTUM_MEAN_COLOURS: all lobes share the colour of a separate texture.
+// MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a mean
+// normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by weight k of the
+// lobes.
+// MULTUM_DRAWN_LOBE: a single normal, drawn from the lobes by amplitude for each of u_sample frames, with random
+// numbers of blue_noise.glsl; with MULTUM_HASHED, with those of footprint.glsl, which are white noise over the picture.
+// MULTUM_SHADE_FIRST: the lobes of all eight texels, each with its weight, so that shading precedes filtering. Lobes
+// that are not aligned need this; taps are then also shaded one by one.
+// MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map, not the texels' light.
+// MULTUM_WHOLE: amplitudes of a texel sum to 1, except for storage errors, and are rescaled to 1.
+// MULTUM_LOBE_LAYERS n: lobes have the format of multum export --lobes, 1 or 2 layers of an array per lobe, whose four
+// channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
 #define MULTUM_FIRST_LOBES u_lobe_layers
 uniform sampler2DArray u_lobe_layers;
-uniform float u_lobe_unpacking[MULTUM_LOBE_COUNT * 20];  // four columns and an offset, of 4 each
+uniform float u_lobe_unpacking[MULTUM_LOBE_COUNT * 20];  // four columns and an offset, 4 values each
 #else
 #define MULTUM_FIRST_LOBES u_lobes[0]
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
@@ -40,14 +41,14 @@ uniform sampler2D u_albedo_map;
 uniform sampler2D u_weights[MULTUM_LOBE_COUNT];
 #endif
 
-// One lobe takes no loop.
+// A single lobe needs no loop.
 #if MULTUM_LOBE_COUNT == 1
 #define MULTUM_EACH_LOBE(j) const int j = 0;
 #else
 #define MULTUM_EACH_LOBE(j) for (int j = 0; j < MULTUM_LOBE_COUNT; ++j)
 #endif
 #ifdef MULTUM_EVALUATIONS
-int multum_part_count = MULTUM_PART_COUNT;  // 1 where all parts are added up
+int multum_part_count = MULTUM_PART_COUNT;  // 1 if all parts are added up
 #endif
 #if MULTUM_PART_COUNT == 1
 #define MULTUM_EACH_PART(j) const int j = 0;
@@ -60,7 +61,7 @@ int multum_part_count = MULTUM_PART_COUNT;  // 1 where all parts are added up
 #endif
 
 struct MultumSurface {
-  vec4 lobes[MULTUM_PART_COUNT];  // the normal map's last
+  vec4 lobes[MULTUM_PART_COUNT];  // the normal map's lobe is last
 #if defined(MULTUM_COLOURS)
   vec3 albedos[MULTUM_PART_COUNT];
 #elif defined(MULTUM_MEAN_COLOURS)
@@ -68,7 +69,7 @@ struct MultumSurface {
 #endif
 };
 
-// Of part j, before its BRDF's diffuse reflectance.
+// Light of part j times its colour, before the BRDF's diffuse reflectance.
 #if defined(MULTUM_COLOURS)
 #define MULTUM_TINTED(surface, j, light) ((surface).albedos[j] * (light))
 #elif defined(MULTUM_MEAN_COLOURS)
@@ -78,7 +79,7 @@ struct MultumSurface {
 #endif
 
 #if MULTUM_PART_COUNT > 1
-// Those two of the first `count` parts whose sum has lost least of their lengths: the most alike, or the faintest.
+// Returns the two of the first `count` parts whose sum loses least of their lengths: the most similar, or the faintest.
 ivec2 multum_alike_parts(vec4 lobes[MULTUM_PART_COUNT], int count) {
   ivec2 alike = ivec2(0, 1);
   float least = 1e30;
@@ -104,7 +105,7 @@ vec4 multum_unpacking(int at) {
   return vec4(u_lobe_unpacking[at], u_lobe_unpacking[at + 1], u_lobe_unpacking[at + 2], u_lobe_unpacking[at + 3]);
 }
 
-// The map is affine: filtered channels give the filtered lobe.
+// The unpacking is affine, so filtered channels give the filtered lobe.
 vec4 multum_fetch_lobe(int j, vec2 st, MultumFootprint footprint) {
 #if MULTUM_LOBE_LAYERS == 1
   vec4 texel = multum_filtered(u_lobe_layers, st, float(j), footprint);
@@ -129,7 +130,7 @@ uniform sampler2D u_blue_noise;
 vec3 multum_numbers_drawn() { return multum_blue_noise(u_blue_noise, gl_FragCoord.xy, float(u_sample)); }
 #endif
 
-// All amplitude to one normal, which a lobe of no width is.
+// Gives all amplitude to one normal, a lobe of no width.
 void multum_draw_lobe(inout MultumSurface surface) {
   float total = 0.0;
   {
@@ -148,8 +149,8 @@ void multum_draw_lobe(inout MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_MAGNIFIED
-// Where a pixel is smaller than a texel, all lobes turn to the mean of what is there: they add up to what
-// multum_movmf_magnified() makes of their sum.
+// For a pixel smaller than a texel, turns all lobes to the mean normal there: their sum becomes the
+// multum_movmf_magnified() of their old sum.
 void multum_magnify(inout MultumSurface surface, float lod) {
   if (lod >= 0.5) return;
   vec4 sum = vec4(0.0);
@@ -204,7 +205,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     vec2 corner = vec2(k & 1, (k >> 1) & 1);
     vec2 weights = mix(1.0 - fract(place), fract(place), corner);
     float weight = weights.x * weights.y * (k < 4 ? 1.0 - fract(lod) : fract(lod));
-    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where no filter mixes
+    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where the filter mixes nothing
     MULTUM_EACH_LOBE(j) {
       vec4 lobe = textureLod(u_lobes[j], middle, float(level));
 #ifdef MULTUM_COLOURS
@@ -270,7 +271,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 #if defined(MULTUM_ALBEDO_MAP)
   surface.albedos[MULTUM_LOBE_COUNT] = multum_filtered(u_albedo_map, st, on_map).rgb;
 #elif defined(MULTUM_COLOURS)
-  surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest that is known
+  surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest known colour
 #endif
 #endif
 #ifdef MULTUM_DRAWN_LOBE

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_ROUGHNESS: the BRDF's width is in the lobes;
-// MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular alike.
+// A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_ROUGHNESS: the lobes include the BRDF's
+// width.
+// MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular light.
 
 #ifdef MULTUM_EVALUATIONS
 #define MULTUM_LOBES_ADD_UP
 
-// All parts as one, in the first's place.
+// Adds all parts up to one, stored in the place of the first.
 void multum_add_up(inout MultumSurface surface) {
   vec4 sum = vec4(0.0);
 #ifdef MULTUM_COLOURS
@@ -23,7 +24,7 @@ void multum_add_up(inout MultumSurface surface) {
 #endif
 }
 
-// The most alike parts as one, until there are multum_part_count.
+// Adds up the most similar parts until multum_part_count remain.
 void multum_add_up_alike(inout MultumSurface surface) {
 #if MULTUM_PART_COUNT > 1
   for (int count = MULTUM_PART_COUNT; count > multum_part_count; --count) {
@@ -47,8 +48,8 @@ float multum_spread_of_all(MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_VISIBILITY
-// V of the mean cosines of those normals of the lobe that reflect from l to v. They are near h: their mean lies between
-// it and the lobe's, nearer to what is sharper, and is where n.h is taken.
+// Returns V for the mean cosines of the lobe's normals that reflect from l to v. These normals are near h. Their mean,
+// which gives n.h, is between h and the lobe's mean, closer to the sharper of the two.
 float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   vec3 facets = multum_lobe_facets(lobe, h);
   float total = max(facets.x + facets.y + facets.z, 1e-20);
@@ -56,7 +57,7 @@ float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   float n_v = clamp(dot(multum_lobe_highlight(lobe, h, v), vec3(1.0)) / total, 0.0, 1.0);
   vec3 n = multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent;
   float size = length(n);
-  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // where the two point apart and cancel, none
+  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // none where they are opposite and cancel
   return multum_visibility(n_l, n_v, n_h, dot(v, h));
 }
 #endif

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// One normal a fragment, in one of four ways (exactly one is defined):
+// One normal per fragment, in one of four ways (exactly one is defined):
 //   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and, of REFERENCE, not the nearest texel but MULTUM_DRAWN_TEXEL, one drawn from the four around, or with
-// MULTUM_FOOTPRINT from all that the texture's filter averages; or MULTUM_INTERPOLATED, the normal between the four;
-// MULTUM_ROUGHNESS (lengths of normals are a BRDF's width; REFERENCE: of each its own), MULTUM_ROUGHNESS_MAP (not
-// REFERENCE: unit normals, the width from a roughness map that is averaged as it is, as in an engine), MULTUM_BASIS k
-// (all is times weight k), MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by
-// Toksvig's rule: it has no moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the
-// albedo map). MIP, TOKSVIG
-// and LEAN read a baked file of moments, or mips of the finest map, which are the same.
+// REFERENCE has variants that replace the nearest texel: MULTUM_DRAWN_TEXEL draws one of the four around,
+// MULTUM_FOOTPRINT draws one that the texture's filter averages, and MULTUM_INTERPOLATED interpolates the four normals.
+// MULTUM_ROUGHNESS: lengths of normals are a BRDF's width; REFERENCE uses each normal's own width.
+// MULTUM_ROUGHNESS_MAP (not REFERENCE): unit normals; the width comes from a roughness map, averaged plainly as in an
+// engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the map has colours. MULTUM_NORMAL_MAP:
+// levels finer than the stored ones come from the normal map, which has no moments of slopes, by Toksvig's rule; they
+// are shaded before mixing. MULTUM_ALBEDO_MAP: their colours come from the albedo map. MIP, TOKSVIG and LEAN read a
+// baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // REFERENCE: unit; others: averaged normal, w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
@@ -25,7 +25,7 @@ uniform sampler2D u_weights;
 uniform sampler2D u_roughness;  // perceptual
 #endif
 #ifdef MULTUM_NORMAL_MAP
-uniform sampler2D u_normal_map;  // averaged normals of the levels finer than those
+uniform sampler2D u_normal_map;  // averaged normals of the finer levels
 #endif
 #ifdef MULTUM_ALBEDO_MAP
 uniform sampler2D u_albedo_map;
@@ -50,14 +50,14 @@ struct MultumSurface {
 ivec2 multum_surface_size() { return textureSize(u_normals, 0); }
 
 #if defined(MULTUM_REFERENCE) && !defined(MULTUM_FOOTPRINT)
-// The finest level at one place: no filter but that between its texels.
+// The finest level at one place: the only filter is interpolation between its texels.
 MultumFootprint multum_surface_footprint(vec2 st) { return MultumFootprint(vec2(0.0), 1, 0.0); }
 #else
 MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_normals, st); }
 #endif
 
 #ifdef MULTUM_INTERPOLATED
-// The direction between four texels, and between their lengths, which roughness is in.
+// Interpolates the direction of four texels, and separately their lengths, which include roughness.
 vec4 multum_interpolated_normal(vec2 st) {
   ivec2 size = textureSize(u_normals, 0);
   vec2 place = st * vec2(size) - 0.5;
@@ -118,7 +118,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_normals, 0), textureSize(u_normal_map, 0));
   surface.finest.xyz = multum_normal_map_lobe(u_normal_map, st, on_map).xyz;
   surface.finest.w = multum_normal_map_share(footprint.level);
-  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
+  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest known colour
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif
@@ -127,12 +127,12 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 }
 #endif
 
-// Beyond the border of a map that wraps black there is no material: a mean of 0, which no normals above the surface
-// have.
+// Smaller means have no material: they are beyond the border of a map that wraps black. Normals above the surface never
+// have a mean of 0.
 const float MULTUM_MEAN_MIN = 1e-12;
 
-// Blinn-Phong's exponent of the material. Of a roughness p, alpha = p^2, the one with the peak of Beckmann's and of
-// GGX's distribution, s = 2 / alpha^2 - 2, no sharper than mirrors are drawn.
+// Returns the material's Blinn-Phong exponent. For a roughness p, alpha = p^2, its peak equals that of Beckmann's and
+// GGX's distributions, s = 2 / alpha^2 - 2, limited to the exponent for mirrors.
 float multum_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   float alpha = surface.roughness * surface.roughness;
@@ -142,7 +142,8 @@ float multum_exponent(MultumSurface surface) {
 #endif
 }
 
-// The exponent whose 1 / s is the variance of the material's slopes: of a roughness alpha^2 / 2, Beckmann's.
+// Returns the exponent s for which 1 / s is the variance of the material's slopes: for a roughness, Beckmann's alpha^2
+// / 2.
 float multum_slope_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   return multum_exponent(surface) + 2.0;
@@ -152,14 +153,14 @@ float multum_slope_exponent(MultumSurface surface) {
 }
 
 #ifdef MULTUM_TURNED
-// A mean normal as if its normals turned with the geometry's: a vMF of variance v / 2 along each axis has 1 - |r| of
-// v / 2.
+// Returns a mean normal whose normals also turn with the geometry: a vMF of variance v / 2 along each axis has 1 - |r|
+// = v / 2.
 vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
 
-// Moments of slopes, with the variance along each axis.
+// Returns the moments of slopes with that variance added along each axis.
 vec4 multum_turned_slopes(vec4 slopes) { return slopes + vec4(0.0, 0.0, vec2(0.5 * multum_turn_variance)); }
 
-// Blinn-Phong's exponent, 1 / s the variance along each axis.
+// Returns Blinn-Phong's exponent with that variance added; 1 / s is the variance along each axis.
 float multum_turned_exponent(float s) { return s / (1.0 + 0.5 * multum_turn_variance * s); }
 #else
 #define multum_turned_exponent(s) (s)
@@ -167,7 +168,7 @@ float multum_turned_exponent(float s) { return s / (1.0 + 0.5 * multum_turn_vari
 #define multum_turned_slopes(slopes) (slopes)
 #endif
 
-// max(E[n] . l, 0).
+// Returns max(E[n] . l, 0).
 float multum_mean_cosine(vec3 mean, vec3 l) {
 #ifdef MULTUM_ROUGHNESS
   mean = multum_movmf_without_roughness(vec4(mean, 1.0), u_mean_cosine).xyz;
@@ -237,7 +238,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// A mean normal is a lobe of its length; MIP takes it for one normal.
+// Treats a mean normal as a lobe of its length; MIP treats it as one normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   vec3 mean = surface.normal.xyz;
   if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));

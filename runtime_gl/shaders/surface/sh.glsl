@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spherical harmonics of the normals, in an array of textures, trilinear (common/sh_shading.glsl). MULTUM_COLOURS: the
-// map has colours; MULTUM_NORMAL_MAP: levels finer than those that are stored come from the normal map, as a lobe;
-// MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BLACK_S, MULTUM_BLACK_T: beyond that border there is no material;
-// MULTUM_ROUGHNESS: the BRDF's width is in the coefficients; MULTUM_BASIS k: all is times weight k.
+// map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map, as a lobe;
+// MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BLACK_S, MULTUM_BLACK_T: there is no material beyond that
+// border. MULTUM_ROUGHNESS: the coefficients include the BRDF's width. MULTUM_BASIS k: everything is multiplied by
+// weight k.
 //
-// The highlight's cosine max(n . l, 0) depends on n too. Taken is one of
+// The highlight's cosine max(n . l, 0) also depends on n. It is replaced by one of
 //   MULTUM_SH_IRRADIANCE  its mean over all normals
 //   MULTUM_SH_DIRECTION   that of the mean normal's direction
 //   (neither)             that of the mean normal, shorter than 1
@@ -13,7 +14,7 @@ uniform sampler2DArray u_harmonics;
 uniform sampler2D u_colours;
 #endif
 #ifdef MULTUM_ROUGHNESS
-uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // of max(n . l, 0), the mean roughness divided out
+uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // of max(n . l, 0), divided by the mean roughness
 #endif
 #ifdef MULTUM_BASIS
 uniform sampler2D u_weights;
@@ -27,11 +28,11 @@ uniform sampler2D u_albedo_map;
 
 struct MultumSurface {
   vec4 parts[MULTUM_SH_PARTS];
-  float share;  // of the stored levels; their coefficients are not multiplied by it
-  float material;  // times the weight; 0 beyond a black border
+  float share;  // of the stored levels, whose coefficients do not include it
+  float material;  // includes the weight; 0 beyond a black border
   vec3 albedo;
 #ifdef MULTUM_NORMAL_MAP
-  vec4 finest;  // a lobe, its share in
+  vec4 finest;  // a lobe that includes its share
   vec3 finest_albedo;
 #endif
 };
@@ -63,7 +64,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   float map_share = multum_normal_map_share(footprint.level);
   surface.finest = map_share * multum_normal_map_lobe(u_normal_map, st, on_map);
   surface.share -= map_share;
-  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
+  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest known colour
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif
@@ -121,9 +122,9 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// The light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
-// normals: E[n] and E[n n^T] are what is needed, and there. Exact up to l = 2, where Lambert's light ends but for 1 %.
-// The quadratic part has no trace: of rough normals bands 1 and 2 are taken as for other light.
+// Returns the light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
+// normals. This needs E[n] and E[n n^T], which the bands contain. Exact up to l = 2; only 1 % of Lambert's light is
+// above that. The quadratic part has no trace, so for rough normals bands 1 and 2 are scaled as for other light.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
   mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
@@ -142,7 +143,7 @@ vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   return max(sum, vec3(0.0));
 }
 
-// The highlight as that of a lobe of the mean normal.
+// The highlight is that of a lobe of the mean normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   MultumReflection sum = multum_environment_lobe(vec4(multum_sh_mean_normal(surface.parts), 1.0), v);
 #ifndef MULTUM_FRESNEL_DIFFUSE

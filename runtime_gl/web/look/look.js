@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of multum look: its controls, its view, what is dropped onto it. Texts of strangers become text nodes alone.
+// The page of multum look: its controls, its view, and dropped files. Text from files only goes into text nodes.
 const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["export", "one-lobe export"],
   ["lobes", "lobes"]];
 const DEGREE = Math.PI / 180;
-const TARGET = [0, 0.76, 0]; // what multum-view's camera looks at on the plane
-/** Far enough for several texels a pixel, against the light, the divider in its highlight. */
+const TARGET = [0, 0.76, 0]; // target of multum-view's camera on the plane
+/** Default view: several texels per pixel, against the light, with the divider in the highlight. */
 const HOME = { map: 0, left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 40,
   distance: 3, exposure: -1, difference: 0, x: 0, y: 0.8, z: 0.6 };
 const LIMITS = { map: [0, 63], split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89],
@@ -15,7 +15,7 @@ const say = (text) => { byId("problem").textContent = text; byId("problem").hidd
 const bytesOfBase64 = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
 const clamp = (value, [low, high]) => Math.min(high, Math.max(low, value));
 
-/** The view of an address; what is not understood is as at home. */
+/** Returns the view of an address; parts that are not understood keep their default. */
 function viewOfHash(hash) {
   const view = { ...HOME };
   for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
@@ -39,7 +39,7 @@ function lookCamera(view) {
   return { eye: TARGET.map((one, i) => one + d * back[i]), target: TARGET, back };
 }
 
-/** Directions across, up and ahead of the picture's middle, column by column; 40 degrees up, as multum-view's. */
+/** Returns directions across, up and ahead of the picture's middle, by columns; 40 degrees field of view. */
 function raysOf({ back }, aspect) {
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const across = cross([0, 0, 1], back);
@@ -49,7 +49,7 @@ function raysOf({ back }, aspect) {
     ...back.map((one) => -one)];
 }
 
-/** World to clip space for the same camera, column by column. */
+/** Returns the matrix from world to clip space for the same camera, column by column. */
 function clipMatrix(camera, aspect) {
   const rays = raysOf(camera, aspect), half = Math.tan(20 * DEGREE);
   const rows = [rays.slice(0, 3).map((one) => one / (half * aspect)), rays.slice(3, 6).map((one) => one / half),
@@ -72,8 +72,8 @@ class LookPage {
     const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
     this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
     this.gl = this.makeGl();
-    this.dropped = null; // a map that was dropped
-    this.drawn = 0; // frames, so that what takes several knows that the view has changed
+    this.dropped = null; // a dropped map
+    this.drawn = 0; // number of frames: a longer task can see that the view has changed
     this.addLoss();
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
@@ -86,7 +86,7 @@ class LookPage {
     this.change({});
   }
 
-  /** One of the page's maps; what is shown stays where it is damaged. */
+  /** Shows one of the page's maps. If it is damaged, keeps the current map. */
   showOwn(number) {
     const map = this.data.maps[number];
     const normals = parseKtx2(bytesOfBase64(map.normals));
@@ -96,7 +96,7 @@ class LookPage {
     this.view.map = number;
   }
 
-  /** A map that was dropped: decodeExr() of its file, its normals, title and about. It is the list's last. */
+  /** Shows a dropped map: decodeExr() of its file, its normals, title and about. It becomes the list's last entry. */
   install(map) {
     this.show(map, map.width, map.height, map.normals, map.file, null);
     this.dropped = map;
@@ -110,7 +110,7 @@ class LookPage {
     this.setMeans(means);
     this.setLobes(file);
     this.setExported(exported);
-    // The one-lobe export is fitted by multum export, not here.
+    // multum export fits the one-lobe export; the page cannot.
     for (const id of ["left", "right"])
       [...byId(id).options].find(({ value }) => value === "export").disabled = exported === null;
     byId("lock").replaceChildren(...[[-1, "by distance"], ...means.map((_, level) => [level, `level ${level}`])].map(
@@ -145,12 +145,12 @@ class LookPage {
     this.file = file;
   }
 
-  /** What was uploaded is gone with a graphics context, and is uploaded again when the browser has another one. */
+  /** Uploads all data again when the browser replaces a lost graphics context. */
   addLoss() {
     const canvas = byId("canvas");
     canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault(); // or it never comes back
-      ++this.drawn; // what is being measured is of no use
+      event.preventDefault(); // otherwise the context never comes back
+      ++this.drawn; // invalidates a running measurement
       byId("lost").hidden = false;
       canvas.style.visibility = "hidden"; // browsers show a broken picture
     });
@@ -185,7 +185,7 @@ class LookPage {
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("measure").addEventListener("click", () => this.measure());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
-    // By the event: a frame that was waiting may have put the view before it back into the address by now.
+    // Uses the event's address: a waiting frame may already have restored the previous view in the page's address.
     addEventListener("hashchange", (event) => {
       const { hash } = new URL(event.newURL);
       if (hash.slice(1) !== hashOfView(this.view)) this.take(viewOfHash(hash));
@@ -199,7 +199,7 @@ class LookPage {
     byId("map-label").hidden = all.length < 2;
   }
 
-  /** readModel() of a file, which then can be chosen, or null for the plane. */
+  /** Adds readModel() of a file to the choices, or null for the plane. */
   setModel(model, name) {
     this.gl.setModel(model);
     this.model = model ?? this.model;
@@ -209,7 +209,7 @@ class LookPage {
     this.change({});
   }
 
-  /** The number of one of the page's maps, or "dropped". */
+  /** Selects one of the page's maps by number, or "dropped". */
   choose(value) {
     say("");
     try {
@@ -223,7 +223,7 @@ class LookPage {
 
   addPointers() {
     const stage = byId("stage");
-    const held = new Map(); // pointers that are down, where they were last
+    const held = new Map(); // last positions of pressed pointers
     stage.addEventListener("pointerdown", (event) => {
       if (event.target === byId("divider")) return;
       stage.setPointerCapture(event.pointerId);
@@ -258,7 +258,7 @@ class LookPage {
     });
   }
 
-  // The middle of the picture is overhead, its edges near the horizon.
+  // The middle of the picture is overhead; its edges are near the horizon.
   lightAt(x, y) {
     const box = byId("stage").getBoundingClientRect();
     const right = 2 * (x - box.left) / box.width - 1, up = 1 - 2 * (y - box.top) / box.height;
@@ -283,14 +283,14 @@ class LookPage {
     });
   }
 
-  /** The view of an address, whose map may be another. */
+  /** Applies the view of an address, which may name another map. */
   take(view) {
     const number = clamp(view.map, [0, this.data.maps.length - 1]);
     if (number !== this.view.map) this.choose(number);
     this.change({ ...view, map: this.view.map });
   }
 
-  /** Changes the view, and draws it with the next frame. */
+  /** Changes the view and draws it with the next frame. */
   change(more) {
     const view = { ...this.view, ...more };
     view.azimuth = ((view.azimuth + 540) % 360) - 180;
@@ -319,7 +319,7 @@ class LookPage {
   }
 
   draw() {
-    if (this.gl.isLost) return; // drawn when it is back
+    if (this.gl.isLost) return; // drawn when the context is back
     const canvas = byId("canvas"), { view } = this;
     const ratio = this.pixelRatio ?? Math.min(devicePixelRatio, 2);
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
@@ -339,7 +339,7 @@ class LookPage {
     if (location.hash.slice(1) !== hash) history.replaceState(null, "", `#${hash}`);
   }
 
-  // Done when the GPU has passed the fence.
+  // The frame is complete when the GPU has passed the fence.
   timeFrame(begin) {
     const { gl } = this.gl, wasHidden = document.hidden;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -350,13 +350,13 @@ class LookPage {
       if (state === gl.TIMEOUT_EXPIRED) return setTimeout(look, 1);
       gl.deleteSync(fence);
       this.frameMs = performance.now() - begin;
-      this.isTimed = !wasHidden && !document.hidden; // timers of a tab in the background wait
+      this.isTimed = !wasHidden && !document.hidden; // timers of background tabs are delayed
       return this.showFacts();
     };
     look();
   }
 
-  /** Says how far both pictures are from the map itself, unless the view changes before that is known. */
+  /** Shows the error of both pictures against the map itself, unless the view changes first. */
   async measure() {
     const { left, right } = this.view, { drawn } = this, percent = (share) => `${(100 * share).toFixed(1)} %`;
     if (this.gl.isLost) return;
@@ -392,7 +392,7 @@ class LookPage {
     this.showFacts();
   }
 
-  /** What a method keeps on a GPU, and what that is counted as. */
+  /** Returns a method's memory on a GPU, and the formats that it is counted with. */
   factsOf(method) {
     const bytes = `${this.nameOf(method)} ${(this.gl.bytesOf(method) / 1e6).toFixed(2)} MB`;
     if (method !== "lobes") return `${bytes} (normal as BC5, roughness as BC4)`;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that are dropped onto the page, or opened by its button: what they are, and .ndf.exr decoded by a worker.
+// Files that the user drops onto the page or opens by its button: finds their type, and decodes .ndf.exr in a worker.
 const FILE_BYTES_MAX = 256e6;
 const DECODING_MS_MAX = 120000;
-const NORMALS_APART_MAX = 0.1; // root mean square of x and y: another map's are several times as far apart
+const NORMALS_APART_MAX = 0.1; // root mean square of x and y; another map differs several times as much
 
-/** "exr", "ktx2", "glb", "gltf" or "image", by a file's first bytes. */
+/** Returns "exr", "ktx2", "glb", "gltf" or "image", by a file's first bytes. */
 async function kindOf(file) {
   const head = new Uint8Array(await file.slice(0, 12).arrayBuffer());
   if (/^(\u00ef\u00bb\u00bf)?\s*\{/.test(String.fromCharCode(...head))) return "gltf";
@@ -19,7 +19,7 @@ async function bytesOfFile(file) {
   return new Uint8Array(await file.arrayBuffer());
 }
 
-/** What decodeExr() of `source`, the text of look_exr.js, gives of `bytes`; `progress` has done and total. */
+/** Runs decodeExr() of `source`, the text of look_exr.js, on `bytes` in a worker; `progress` gets done and total. */
 function decodeInWorker(source, bytes, progress) {
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   const worker = new Worker(url);
@@ -40,7 +40,7 @@ function decodeInWorker(source, bytes, progress) {
   });
 }
 
-/** x and y of an image's red and green, +Y up. */
+/** Returns x and y from an image's red and green, +Y up. */
 function normalsOfImage(image) {
   const { width, height } = image;
   const context = new OffscreenCanvas(width, height).getContext("2d");
@@ -49,7 +49,7 @@ function normalsOfImage(image) {
   return normalsOfBytes(Uint8Array.from({ length: 2 * width * height }, (_, i) => rgba[4 * (i >> 1) + (i & 1)]));
 }
 
-/** How far the x and y of `level`, a level of meanNormals(), are from `means` (x, y), y times `sign`. */
+/** Returns the distance of the x and y of `level`, a level of meanNormals(), from `means` (x, y), y times `sign`. */
 function normalsApart(level, means, sign) {
   let sum = 0;
   for (let i = 0; i < means.length / 2; ++i)
@@ -58,8 +58,8 @@ function normalsApart(level, means, sign) {
 }
 
 /**
- * The image's x and y, with green turned up where it is down: `means` are x and y of level `level` of the lobes. Throws
- * where it is no map of theirs and `isStrict`.
+ * Returns the image's x and y, with green flipped if it points down. `means`: x and y of level `level` of the lobes.
+ * Throws if the image is not the lobes' map and `isStrict`.
  */
 function matchingNormals(image, level, means, isStrict) {
   const normals = normalsOfImage(image);
@@ -72,13 +72,13 @@ function matchingNormals(image, level, means, isStrict) {
   return normals;
 }
 
-/** Takes files for `page`, a LookPage: install(map), setNormals(), and say() of what was wrong. */
+/** Passes files to `page`, a LookPage, by install(map) and setNormals(), and errors by say(). */
 class Drops {
   constructor(page, workerSource) {
     this.page = page;
     this.workerSource = workerSource;
     this.unfinished = null; // a decoded file that waits for its map
-    this.last = Promise.resolve(); // one file after another, whoever brings them
+    this.last = Promise.resolve(); // takes one file after another, in any order of arrival
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
@@ -90,7 +90,7 @@ class Drops {
     });
   }
 
-  /** Lobes come before maps: a map is looked at beside them. */
+  /** Takes lobes before maps, because a map is compared with them. */
   take(files) {
     const list = [...files];
     this.last = this.last.then(async () => {
@@ -106,8 +106,8 @@ class Drops {
   }
 
   /**
-   * The JSON of each glTF, or an Error where it is damaged, and whether a file is one that they ask for: with a damaged
-   * one, whose files are not known, every picture and what is not known.
+   * Returns the JSON of each glTF, or an Error if it is damaged, and whether they use a file. The files of a damaged
+   * glTF are unknown, so every picture and every unknown file then counts as used.
    */
   async gltfModels(list, kinds) {
     const models = new Map(), named = new Set();
@@ -158,7 +158,7 @@ class Drops {
     await this.takeModel(name, await glbOfGltf(json, files));
   }
 
-  /** Drawn with its own normal map where that has the size of the lobes' map, else with the map that is shown. */
+  /** Draws with the lobes' own normal map if it has the size of their map, otherwise with the map on the page. */
   async takeModel(name, bytes) {
     const model = readModel(bytes, TARGET);
     this.page.setModel(model, name);

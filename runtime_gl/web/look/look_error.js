@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the error of methods beside the map itself: its finest level, drawn at many places of each pixel.
-const PLACES_ACROSS = 12; // of a pixel, as many up
+// Measures the error of methods against the map itself: its finest level, drawn at many places of each pixel.
+const PLACES_ACROSS = 12; // of a pixel; the same number upwards
 
-/** A scene seen at another place of each pixel: `x` and `y` from -1/2 to 1/2, of the pixel. */
+/** Returns the scene shifted to another place of each pixel: `x` and `y` from -1/2 to 1/2 pixel. */
 function movedWithinPixel(scene, [width, height], x, y) {
   const across = 2 * x / width, up = 2 * y / height;
   const rays = scene.rays.slice(), toClip = scene.toClip.slice();
@@ -14,7 +14,7 @@ function movedWithinPixel(scene, [width, height], x, y) {
   return { ...scene, rays, toClip };
 }
 
-/** Sum of the absolute differences of two RGBA pictures' colours. */
+/** Returns the sum of absolute differences of two RGBA pictures' colours. */
 function differenceOf(one, other) {
   let sum = 0;
   for (let i = 0; i < one.length; ++i) if (i % 4 !== 3) sum += Math.abs(one[i] - other[i]);
@@ -22,9 +22,9 @@ function differenceOf(one, other) {
 }
 
 /**
- * Relative L1 of the radiance of each method's picture beside the mean of the map's finest level, and `noise`: half of
- * what the means of two halves of the places differ by. Null when `isStale()` says that the view has changed meanwhile.
- * `onShare` hears of its progress, 0 to 1.
+ * Returns the relative L1 error of each method's radiance against the mean of the map's finest level, and `noise`: half
+ * the difference of the means of two halves of the places. Returns null if `isStale()` reports a changed view.
+ * `onShare` gets the progress, 0 to 1.
  */
 async function errorsBesideMap(gl, methods, scene, isStale, onShare) {
   const halves = [0, 1].map(() => new Float32Array(4 * gl.size[0] * gl.size[1]));

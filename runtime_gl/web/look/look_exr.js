@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes NAME.ndf.exr of vMF lobes (docs/reference/file_format.md) into what a GPU takes, in a worker: the lobes as
-// multum export
-// --lobes --texels rgba16f lays them out (host/delivery/export/lobes/lobe_encoding.cpp), and the normals of level 0.
-// Of OpenEXR ("OpenEXR File Layout", openexr.com) it reads what multum writes: tiled parts, one level or mip-mapped, of
-// halfs and floats, compressed by none, RLE, ZIPS or ZIP. All that a file says is checked before anything is allocated
-// for it.
+// Decodes NAME.ndf.exr of vMF lobes (docs/reference/file_format.md) for a GPU, in a worker: the lobes in the layout of
+// multum export --lobes --texels rgba16f (host/delivery/export/lobes/lobe_encoding.cpp), and the normals of level 0.
+// Reads the part of OpenEXR ("OpenEXR File Layout", openexr.com) that multum writes: tiled parts, one level or
+// mip-mapped, with halfs and floats, compressed by none, RLE, ZIPS or ZIP. Checks all sizes in a file before it
+// allocates memory for them.
 //
-//   magic, version | header of each part | 8 bytes a tile: where it lies, parts and levels in order | tiles
-//   tile: part (multi-part files alone), tile x, tile y, level x, level y, size: 4 bytes each | data
+//   magic, version | header of each part | 8 bytes per tile: its offset, parts and levels in order | tiles
+//   tile: part (only in multi-part files), tile x, tile y, level x, level y, size: 4 bytes each | data
 const EXR_MAGIC = [0x76, 0x2f, 0x31, 0x01];
 const EXR_MULTI_PART = 0x1000, EXR_TILED = 0x200;
 const EXR_PARTS_MAX = 32, EXR_ATTRIBUTES_MAX = 100, EXR_NAME_MAX = 255;
-const EXR_SIDE_MAX = 2048; // as multum look: the page holds a map whole
+const EXR_SIDE_MAX = 2048; // same limit as multum look: the page holds a whole map
 const EXR_TILE_MAX = 1024;
 const EXR_VALUE_MAX = 1.01; // of lobes and normals, which are at most 1 before rounding
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
@@ -22,7 +21,7 @@ const exrRefuse = (found, expected) => { throw new Error(`found ${found}, expect
 const exrSide = (side, level) => Math.max(1, side >> level);
 const exrLevels = (width, height) => 1 + Math.floor(Math.log2(Math.max(width, height)));
 
-/** Bytes one after another; refuses to go beyond the end. */
+/** Reads bytes one after another; throws at the end. */
 class ExrCursor {
   constructor(bytes) {
     this.bytes = bytes;
@@ -47,7 +46,7 @@ class ExrCursor {
   }
 }
 
-/** Attributes by name, or null for the empty header that ends them. */
+/** Returns attributes by name, or null for the empty header that ends the headers. */
 function exrHeader(cursor) {
   const attributes = new Map();
   for (let name = cursor.text(); name !== ""; name = cursor.text()) {
@@ -65,7 +64,7 @@ const exrWords = (bytes) => {
   return Array.from({ length: bytes.length >> 2 }, (_, i) => view.getInt32(4 * i, true));
 };
 
-/** The bytes of attribute `name`, of `type` and, where it is given, `size` bytes. */
+/** Returns the bytes of attribute `name`; it must have `type` and, if given, `size` bytes. */
 function exrAttribute(attributes, name, type, size = undefined) {
   const found = attributes.get(name);
   if (found === undefined) exrRefuse(`no attribute ${name}`, "a file of multum bake");
@@ -77,7 +76,7 @@ const exrInt = (attributes, name) => exrWords(exrAttribute(attributes, name, "in
 const exrString = (attributes, name) =>
   new TextDecoder("latin1").decode(exrAttribute(attributes, name, "string")).replace(/ +$/, "");
 
-/** { name, type, bytes } of every channel, in the order of the file. */
+/** Returns { name, type, bytes } of every channel, in the order of the file. */
 function exrChannels(attributes) {
   const cursor = new ExrCursor(exrAttribute(attributes, "channels", "chlist"));
   const channels = [];
@@ -91,7 +90,7 @@ function exrChannels(attributes) {
   return channels;
 }
 
-/** What a part holds and how, beside its map's `width` and `height` at its first level. */
+/** Returns the layout of a part's data, and its map's `width` and `height` at its first level. */
 function exrPart(attributes, width, height, levelCount) {
   const channels = exrChannels(attributes);
   const [left, top, right, bottom] = exrWords(exrAttribute(attributes, "dataWindow", "box2i", 16));
@@ -115,7 +114,7 @@ function exrPart(attributes, width, height, levelCount) {
     tileCount: levels.reduce((sum, { across, down }) => sum + across * down, 0) };
 }
 
-/** The plan of a file: what it says of itself, its parts by name, where the tables of tiles begin. */
+/** Returns the plan of a file: its header's facts, its parts by name, and the start of the tables of tiles. */
 function exrPlan(bytes) {
   if (bytes.length < 8 || EXR_MAGIC.some((one, i) => bytes[i] !== one)) exrRefuse("no magic number of OpenEXR",
     "NAME.ndf.exr");
@@ -145,7 +144,7 @@ function exrPlan(bytes) {
   const lobesFrom = Math.max(firstLevel, 1), parts = new Map();
   let at = cursor.at;
   headers.forEach((header, number) => {
-    // A file of one part need not name it: that is a lobe alone.
+    // The part of a single-part file may have no name: it is a single lobe.
     const name = isMultiPart ? exrString(header, "name") : "lobe.0";
     if (parts.has(name)) exrRefuse(`two parts ${name}`, "one of each name");
     const from = name === "finest" ? 0 : lobesFrom;
@@ -158,11 +157,11 @@ function exrPlan(bytes) {
   return { parts, width, height, firstLevel, lobesFrom, lobeCount, levelCount };
 }
 
-/** Of zlib's format, exactly `size` bytes. */
+/** Inflates zlib's format to exactly `size` bytes. */
 async function exrInflated(bytes, size) {
   const stream = new DecompressionStream("deflate");
   const writer = stream.writable.getWriter(), reader = stream.readable.getReader();
-  Promise.allSettled([writer.write(bytes), writer.close()]); // what fails is thrown to the reader too
+  Promise.allSettled([writer.write(bytes), writer.close()]); // the reader also throws these failures
   const read = () => reader.read().catch(() => exrRefuse("a tile that is no whole stream of zlib", "one"));
   const out = new Uint8Array(size);
   let at = 0;
@@ -178,7 +177,7 @@ async function exrInflated(bytes, size) {
   return out;
 }
 
-/** Of run lengths: a count below 0 and as many bytes, or a count and a byte that is there once more than it says. */
+/** Decodes run lengths: a count -n and n bytes, or a count n and one byte that repeats n + 1 times. */
 function exrUnrolled(bytes, size) {
   const out = new Uint8Array(size);
   let at = 0;
@@ -195,7 +194,7 @@ function exrUnrolled(bytes, size) {
   return out;
 }
 
-/** Sums up differences and puts the two halves, of even and of odd bytes, together again. */
+/** Sums up differences, and interleaves the two halves, of even and of odd bytes. */
 function exrTogether(bytes) {
   for (let i = 1; i < bytes.length; ++i) bytes[i] = bytes[i - 1] + bytes[i] - 128;
   const half = (bytes.length + 1) >> 1, out = new Uint8Array(bytes.length);
@@ -217,7 +216,7 @@ const EXR_FROM_HALF = Float64Array.from({ length: 65536 }, (_, bits) => {
 });
 
 const exrFloat = new Float32Array(1), exrBits = new Uint32Array(exrFloat.buffer);
-/** The nearest half, ties to even, of values whose magnitude is at most 2. */
+/** Returns the nearest half, ties to even, of a value whose magnitude is at most 2. */
 function exrHalf(value) {
   exrFloat[0] = Math.abs(value);
   const magnitude = exrBits[0], sign = value < 0 ? 0x8000 : 0;
@@ -228,7 +227,7 @@ function exrHalf(value) {
   return sign | ((magnitude - 0x38000000 + 0xfff + ((magnitude >>> 13) & 1)) >>> 13);
 }
 
-/** Planes of the channels `wanted` of a level, by name; `tick` after every tile. */
+/** Returns planes of the channels `wanted` of a level, by name; calls `tick` after every tile. */
 async function exrLevel(bytes, part, level, wanted, tick) {
   const { width, height, across, down } = part.levels[level];
   const planes = Object.fromEntries(wanted.map((name) => [name, new Float32Array(width * height)]));
@@ -271,7 +270,7 @@ async function exrLevel(bytes, part, level, wanted, tick) {
   return planes;
 }
 
-/** Halves x, y, s, a of a lobe's texels into `out`: s keeps the spread beside x, y and a as they are rounded. */
+/** Writes halves x, y, s, a of a lobe's texels to `out`: s preserves the spread with the rounded x, y and a. */
 function exrEncodeLobe({ R, G, B, A }, out) {
   for (let i = 0; i < A.length; ++i) {
     const amplitude = exrHalf(Math.max(A[i], 0)), kept = EXR_FROM_HALF[amplitude];
@@ -288,9 +287,9 @@ function exrEncodeLobe({ R, G, B, A }, out) {
 }
 
 /**
- * { width, height, firstLevel, file, normals, means } of bytes of a file: `file` is as parseLobes() gives it, `normals`
- * x and y of level 0, or null where the file leaves that to the map, `means` x and y of the first stored level of
- * lobes. Throws Error saying what was found and expected.
+ * Returns { width, height, firstLevel, file, normals, means } of a file's bytes: `file` as from parseLobes(), `normals`
+ * x and y of level 0, or null if the file leaves level 0 to the map, `means` x and y of the first stored level of
+ * lobes. Throws Error: what was found and expected.
  */
 async function decodeExr(bytes, progress = () => {}) {
   const plan = exrPlan(bytes);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a plane, or a model with the map on it, by WebGL 2 with the shading that multum-view draws with
-// (runtime_gl/shaders), lobes or one normal a texel, each method into a texture; the screen shows one of them left and
-// one right of a divider, or their difference.
+// Draws a plane, or a model with the map on it, by WebGL 2 with the same shading as multum-view (runtime_gl/shaders):
+// lobes or one normal per texel. Draws each method to a texture. The screen shows one method left and one right of a
+// divider, or their difference.
 const FILTER = { taps: 4, bias: -0.5 }; // docs/evidence/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es
@@ -9,9 +9,9 @@ void main() {
   gl_Position = vec4(vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0), 0.0, 1.0);
 }`;
 
-// What the eye sees of the surface at st.
+// The surface at st as the eye sees it.
 const LOOK_SHADED = `
-uniform float u_locked_level;  // of the texture of the surface; below -100: none
+uniform float u_locked_level;  // level of the surface's texture; below -100: none
 vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
   MultumFootprint footprint = multum_surface_footprint(st);
   if (u_locked_level > -100.0) footprint.level = u_locked_level;
@@ -19,11 +19,11 @@ vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
 }
 `;
 
-// multum-view's plane has its map once a unit, row 0 at y = 60. The plane is met by rays: polygons that reach from
-// behind the eye to the horizon are drawn up to half a pixel off by SwiftShader.
+// multum-view's plane has its map once per unit, with row 0 at y = 60. Rays intersect the plane, because SwiftShader
+// draws polygons from behind the eye to the horizon with an error of up to half a pixel.
 const LOOK_MAIN = `
 uniform vec3 u_eye;
-uniform mat3 u_rays;  // of a pixel's place across and up, and of 1, -1 to 1
+uniform mat3 u_rays;  // from a pixel's place across and up (-1 to 1) and 1
 uniform vec2 u_size;  // in pixels
 layout(location = 0) out vec4 o_colour;
 void main() {
@@ -52,8 +52,8 @@ void main() {
   gl_Position = u_to_clip * vec4(a_position, 1.0);
 }`;
 
-// The tangent frame is that of the texture coordinates' derivatives (Schueler 2013, "Followup: Normal Mapping Without
-// Precomputed Tangents"), orthonormal; +Y of normal maps is where v shrinks.
+// The tangent frame comes from the texture coordinates' derivatives (Schueler 2013, "Followup: Normal Mapping Without
+// Precomputed Tangents"), orthonormal; +Y of normal maps is the direction in which v shrinks.
 const MODEL_MAIN = `
 uniform vec3 u_eye;
 in vec3 v_position;
@@ -72,7 +72,7 @@ void main() {
   o_colour = vec4(look_shaded(v_st, to_world, v_position, v), 1.0);
 }`;
 
-// One normal and roughness a texel, filtered as an engine does.
+// One normal and roughness per texel, filtered as an engine does.
 const ONE_NORMAL = `
 uniform sampler2D u_material;
 struct MultumSurface { vec3 n; };
@@ -106,7 +106,7 @@ void main() {
 }`;
 
 class LookGl {
-  /** Throws Error saying what the browser lacks. `shaders`: texts by name; `table`: halves of GGX over lobes. */
+  /** `shaders`: texts by name; `table`: halves of GGX over lobes. Throws Error with the browser's missing feature. */
   constructor(canvas, shaders, table) {
     const gl = canvas.getContext("webgl2",
       { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
@@ -119,7 +119,7 @@ class LookGl {
     this.nothing = gl.createVertexArray();
     gl.bindVertexArray(this.nothing);
     this.screen = this.program(SCREEN_VERTEX, SCREEN_FRAGMENT);
-    this.model = null; // what is drawn instead of the plane: an array of vertices and their count
+    this.model = null; // drawn in place of the plane: an array of vertices and their count
     this.oneNormal = this.programs(["MULTUM_ROUGHNESS_TEXTURE"], shaders.oneNormal, ONE_NORMAL);
     this.ggxTable = this.texture(gl.TEXTURE_2D, gl.RGBA16F, { width: 32, height: 32 }, 1, gl.CLAMP_TO_EDGE, () =>
       gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 32, 32, gl.RGBA, gl.HALF_FLOAT, table));
@@ -128,14 +128,14 @@ class LookGl {
     this.size = [0, 0];
   }
 
-  /** Programs of the plane and, from when one is first drawn, of models. */
+  /** Compiles programs of the plane, and those of models when a model is first drawn. */
   programs(flags, texts, surface) {
     const fragment = (main) => this.fragment(flags, texts, surface, LOOK_SHADED + main);
     return { plane: this.program(SCREEN_VERTEX, fragment(LOOK_MAIN)), model: null,
       makeModel: () => this.program(MODEL_VERTEX, fragment(MODEL_MAIN)) };
   }
 
-  /** readModel() of a file, or null for the plane. */
+  /** `model`: readModel() of a file, or null for the plane. */
   setModel(model) {
     const { gl } = this;
     if (this.model !== null) {
@@ -165,7 +165,7 @@ class LookGl {
 
   program(vertex, fragment) {
     const { gl } = this;
-    if (gl.isContextLost()) return null; // all is made again when it is back
+    if (gl.isContextLost()) return null; // everything is created again when the context is back
     const program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
@@ -198,14 +198,14 @@ class LookGl {
     return texture;
   }
 
-  /** RGBA8 levels of one normal a texel. */
+  /** Uploads RGBA8 levels of one normal per texel. */
   setMaterial(method, levels) {
     const { gl } = this;
     gl.deleteTexture(this.materials.get(method)?.texture ?? null);
     const texture = this.texture(gl.TEXTURE_2D, gl.RGBA8, levels[0], levels.length, gl.REPEAT, () => levels.forEach(
       (level, l) => gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.UNSIGNED_BYTE,
         level.bytes)));
-    // As BC5 and BC4, which is what engines keep; here they are RGBA8. LookPage.factsOf says so.
+    // Counts BC5 and BC4, which engines store; here the textures are RGBA8. LookPage.factsOf says so.
     this.materials.set(method, { texture, bytes: levels.reduce((sum, { width, height }) =>
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }
@@ -215,7 +215,7 @@ class LookGl {
     this.materials.delete(method);
   }
 
-  /** parseLobes() of a file; `normals`: mean normals of the finer levels. */
+  /** `file`: parseLobes() of a file; `normals`: mean normals of the finer levels. */
   setLobes(file, normals) {
     const { gl } = this;
     const blocks = file.format === VK_BC5;
@@ -245,7 +245,7 @@ class LookGl {
 
   get isLost() { return this.gl.isContextLost(); }
 
-  /** Engines' rule is made when it is drawn. */
+  /** Returns whether a method can be drawn; textures of the engine's rule are made when they are first drawn. */
   has(method) { return method !== "export" || this.materials.has(method); }
 
   bytesOf(method) { return method === "lobes" ? this.lobes.bytes : this.materials.get(method).bytes; }
@@ -289,7 +289,7 @@ class LookGl {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  /** A method's picture of the scene, without exposure: RGBA, row by row from the lowest. */
+  /** Returns a method's picture of the scene, without exposure: RGBA, row by row from the lowest. */
   radiance(method, scene) {
     const { gl } = this, [width, height] = this.size, { frame } = this.targets[0];
     gl.viewport(0, 0, width, height);

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model of a binary glTF that was dropped, as one list of triangles for the page to draw its map on: positions with z
-// up, normals, texture coordinates from the image's first row. What is read is what glb.js reads for the player, and
-// normals; the first normal map among its materials is its image.
+// Reads a dropped binary glTF as one list of triangles for the page to draw its map on: positions with z up, normals,
+// and texture coordinates from the image's first row. Reads the same data as glb.js for the player, plus normals. The
+// first normal map among its materials is its image.
 const CORNERS_MAX = 3e6;
-const MODEL_RADIUS = 0.6; // of the middle of its box, about the place that the camera looks at
-const MODEL_DISTANCE = 0.9; // where such a model fills the picture
+const MODEL_RADIUS = 0.6; // about the middle of its box, which the camera looks at
+const MODEL_DISTANCE = 0.9; // distance at which such a model fills the picture
 
-class FieldError extends Error {} // what glb.js throws
+class FieldError extends Error {} // error type of glb.js
 
 class ModelGlb extends Glb {
   constructor(bytes) {
     super(bytes, "the model");
     this.corners = 0;
-    // Objects are told apart by their names there.
+    // glb.js identifies objects by their names.
     this.entries("nodes").forEach((node, i) => { if (typeof node === "object" && node !== null) node.name = `${i}`; });
   }
 
@@ -37,12 +37,12 @@ class ModelGlb extends Glb {
     }
   }
 
-  /** A Blob of the first normal map that lies in the file, or null. */
+  /** Returns a Blob of the first normal map inside the file, or null. */
   normalImage() {
     const used = this.entries("materials").find((one) => one?.normalTexture !== undefined);
     if (used === undefined) return null;
     const texture = this.entry("textures", used.normalTexture.index);
-    if (texture.source === undefined) return null; // of an extension
+    if (texture.source === undefined) return null; // source is in an extension
     const image = this.entry("images", texture.source);
     if (image.bufferView === undefined) return null;
     const view = this.entry("bufferViews", image.bufferView), from = view.byteOffset ?? 0;
@@ -53,7 +53,7 @@ class ModelGlb extends Glb {
   }
 }
 
-/** Of the triangle whose corners begin with `corner`. */
+/** Returns the normal of the triangle whose first corner is `corner`. */
 function flatNormal(positions, corner) {
   const at = (k) => [0, 1, 2].map((c) => positions[3 * (corner + k) + c]);
   const [a, b, c] = [at(0), at(1), at(2)];
@@ -61,7 +61,7 @@ function flatNormal(positions, corner) {
   return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
 }
 
-/** { vertices, count, image } of a file: eight floats a corner, position, normal, u and v. Throws FieldError. */
+/** Returns { vertices, count, image } of a file: eight floats per corner: position, normal, u, v. Throws FieldError. */
 function readModel(bytes, target) {
   const glb = new ModelGlb(bytes);
   const objects = [...glb.read(0).values()];
@@ -71,7 +71,7 @@ function readModel(bytes, target) {
   let at = 0;
   for (const { objectToWorld: m, positions, normals, uvs } of objects) {
     const turned = (x, y, z, w) => [0, 1, 2].map((r) => m[r] * x + m[4 + r] * y + m[8 + r] * z + m[12 + r] * w);
-    // Normals go by the cofactors, so that scales along axes bend none.
+    // Transforms normals by the cofactors, which stay correct for different scales along axes.
     const cofactors = [0, 1, 2].map((c) => crossed([...m.slice(4 * ((c + 1) % 3), 4 * ((c + 1) % 3) + 3)],
       [...m.slice(4 * ((c + 2) % 3), 4 * ((c + 2) % 3) + 3)]));
     for (let i = 0; i < uvs.length / 2; ++i, at += 8) {

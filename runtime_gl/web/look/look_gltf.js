@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF in JSON with the files that it names, dropped together, as one binary glTF for look_glb.js: buffers one behind
-// the other, and the image of the first normal map. Its numbers are those of glb.js.
+// Joins a dropped JSON glTF and the files that it names to one binary glTF for look_glb.js: buffers one after another,
+// and the image of the first normal map. The constants are those of glb.js.
 const GLTF_BYTES_MAX = 256e6; // of all files together
 
-/** The file's own name; of a uri that is not encoded as it should be, as it stands. */
+/** Returns the file name of a uri; a uri with an invalid encoding is not decoded. */
 function nameOfUri(uri) {
   let path = uri;
   try {
@@ -12,13 +12,13 @@ function nameOfUri(uri) {
   return path.split("/").at(-1);
 }
 
-/** The files' names that a glTF asks for: a Set. */
+/** Returns the Set of file names that a glTF refers to. */
 function filesOfGltf(json) {
   const uris = [json.buffers, json.images].flatMap((list) => (Array.isArray(list) ? list : [])).map((one) => one?.uri);
   return new Set(uris.filter((uri) => typeof uri === "string" && !uri.startsWith("data:")).map(nameOfUri));
 }
 
-/** The JSON of a file's bytes. Throws Error where it is damaged. */
+/** Returns the JSON of a file's bytes. Throws Error if it is damaged. */
 function parsedGltf(bytes) {
   let json = null;
   try {
@@ -28,7 +28,7 @@ function parsedGltf(bytes) {
   return json;
 }
 
-/** The bytes of `uri`: data in base64, or one of `files`, a Map of File by name. */
+/** Returns the bytes of `uri`: data in base64, or one of `files`, a Map of File by name. */
 async function bytesOfUri(uri, files) {
   if (uri.startsWith("data:")) {
     const [head, data] = uri.split(",", 2);
@@ -43,7 +43,7 @@ async function bytesOfUri(uri, files) {
   return bytesOfFile(file);
 }
 
-/** A binary glTF of the JSON and of what it names. Throws Error for files that are missing, too large or too short. */
+/** Joins the JSON and its files to a binary glTF. Throws Error for files that are missing, too large or too short. */
 async function glbOfGltf(json, files) {
   if (json.asset?.version !== "2.0") throw new Error(`is glTF of version ${json.asset?.version}, expected 2.0`);
   const parts = [];

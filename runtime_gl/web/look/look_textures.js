@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// KTX2 files of multum, and the mips of one normal a texel that engines make of a map
+// Reads KTX2 files of multum, and makes the mips that engines make of a map with one normal per texel
 // (host/delivery/export/accuracy/export_rules.cpp).
-// Classic scripts, joined to one (host/delivery/look): no imports.
+// host/delivery/look joins these classic scripts to one, so they have no imports.
 const KTX2_IDENTIFIER = [0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb, 0x0d, 0x0a, 0x1a, 0x0a];
 const VK_R8 = 9, VK_RG8 = 16, VK_RGBA8 = 37, VK_RGBA16F = 97, VK_BC5 = 141;
 const SIDE_MAX = 16384, LAYERS_MAX = 64;
@@ -14,7 +14,7 @@ function texelBytes(format, width, height) {
   return width * height * { [VK_R8]: 1, [VK_RG8]: 2, [VK_RGBA8]: 4, [VK_RGBA16F]: 8 }[format];
 }
 
-/** { format, width, height, layers, levels: [Uint8Array], keys }. Throws Error saying what was found and expected. */
+/** Returns { format, width, height, layers, levels: [Uint8Array], keys }. Throws Error: what was found and expected. */
 function parseKtx2(bytes) {
   const refuse = (found, expected) => { throw new Error(`found ${found}, expected ${expected}`); };
   if (bytes.length < 80 || KTX2_IDENTIFIER.some((one, i) => bytes[i] !== one))
@@ -51,7 +51,7 @@ function parseKtx2(bytes) {
   return { format, width, height, layers, levels, keys };
 }
 
-/** Lobes of multum export --lobes: the texture and `lobes`, the JSON of its key. Throws Error. */
+/** Reads lobes of multum export --lobes: the texture and `lobes`, the JSON of its key. Throws Error. */
 function parseLobes(bytes) {
   const texture = parseKtx2(bytes);
   if (texture.keys.multumLobes === undefined)
@@ -71,7 +71,7 @@ function parseLobes(bytes) {
   return { ...texture, lobes, unpacking: new Float32Array(numbers) };
 }
 
-/** Averages of a level's texels, by coverage; four floats a texel. */
+/** Averages a level's texels by coverage; four floats per texel. */
 function halved({ width, height, texels }) {
   const [w, h] = [levelSize(width, 1), levelSize(height, 1)];
   const out = new Float32Array(4 * w * h);
@@ -91,10 +91,10 @@ function halved({ width, height, texels }) {
   return { width: w, height: h, texels: out };
 }
 
-/** x and y of normals that are RG8. */
+/** Returns x and y of RG8 normals. */
 const normalsOfBytes = (rg) => Float32Array.from(rg, (one) => 2 * one / 255 - 1);
 
-/** Mean normals (x, y, z, 1) of all levels from x and y of level 0. */
+/** Computes mean normals (x, y, z, 1) of all levels from x and y of level 0. */
 function meanNormals(width, height, normals) {
   const texels = new Float32Array(4 * width * height);
   for (let i = 0; i < width * height; ++i) {
@@ -111,7 +111,7 @@ const kappaOf = (length) => {
   return Math.min(1e9, Math.max(1e-9, (3 * r - r ** 3) / (1 - r * r)));
 };
 
-/** Perceptual roughness for a mean normal's length and the base's. */
+/** Perceptual roughness by each engine's rule, for a mean normal's length and the base roughness. */
 const ENGINE_RULES = {
   unreal: ["Unreal", (length, roughness) => {
     const a2 = Math.max(roughness, 1e-3) ** 4;
@@ -126,7 +126,7 @@ const ENGINE_RULES = {
   filament: ["Filament", (length, roughness) => Math.min(1, Math.sqrt(roughness ** 2 + 2 / kappaOf(length)))],
 };
 
-/** RGBA8 levels of a normal and a perceptual roughness a texel, by `rule` of lengths. */
+/** Makes RGBA8 levels of one normal and one perceptual roughness per texel, by the `rule` for lengths. */
 function ruledLevels(means, base, rule) {
   return means.map(({ width, height, texels }) => {
     const bytes = new Uint8Array(texels.length);
@@ -139,7 +139,7 @@ function ruledLevels(means, base, rule) {
   });
 }
 
-/** The same of the one-lobe export's two textures. */
+/** Makes the same levels from the one-lobe export's two textures. */
 function exportedLevels(normals, roughness) {
   return normals.levels.map((rg, level) => {
     const bytes = new Uint8Array(2 * rg.length);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes textures in BC5, for browsers and GPUs without EXT_texture_compression_rgtc: blocks of 4 x 4 texels, two
-// channels a block (Khronos Data Format Specification 1.3, section 17).
+// Decodes BC5 textures, for browsers and GPUs without EXT_texture_compression_rgtc: blocks of 4 x 4 texels, two
+// channels per block (Khronos Data Format Specification 1.3, section 17).
 
-/** A block of BC4 into every `step`-th byte of `out` from `at`, rows of `stride` bytes, up to the edge. */
+/** Decodes a BC4 block to every `step`-th byte of `out` from `at`, rows of `stride` bytes, up to the edge. */
 function decodeBc4(block, out, at, stride, step, columns, rows) {
   const [first, last] = block;
   const parts = first > last ? 7 : 5;
@@ -17,7 +17,7 @@ function decodeBc4(block, out, at, stride, step, columns, rows) {
   }
 }
 
-/** Layers of BC5 as RG8, or, `layersPerTexel` being 2, two of them as one of RGBA8. */
+/** Decodes layers of BC5 to RG8, or, if `layersPerTexel` is 2, two layers to one of RGBA8. */
 export function decodeBc5(bytes, width, height, layerCount, layersPerTexel = 1) {
   const step = 2 * layersPerTexel, out = new Uint8Array(2 * width * height * layerCount);
   let from = 0;

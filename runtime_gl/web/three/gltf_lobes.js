@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extension MULTUM_lobes, `multum gltf IN.glb --lobes -o OUT.glb` (docs/reference/gltf.md), for three.js's
+// The extension MULTUM_lobes, written by `multum gltf IN.glb --lobes -o OUT.glb` (docs/reference/gltf.md), for
+// three.js's
 // GLTFLoader.
 import { addLobes, addPoints } from "./lobe_material.js";
 import { LobeLoader } from "./lobe_texture.js";
@@ -7,13 +8,13 @@ import { LobeLoader } from "./lobe_texture.js";
 const NAME = "MULTUM_lobes";
 
 /**
- * A plugin of GLTFLoader that has a model's materials draw its lobes.
+ * A plugin for GLTFLoader that makes a model's materials draw its lobes.
  *
  *     loader.register((parser) => new GltfLobes(parser, renderer));
  *
- * What GLTFLoader returns has the LobeTextures in `userData.lobes`, to be disposed of with the model. `options` are
- * addLobes()'s. Materials with normal maps and no lobes are shaded at as many points (addPoints()). Maps get the
- * renderer's most anisotropic filter. A damaged extension makes the loading fail; a material that cannot have lobes
+ * The result of GLTFLoader has the LobeTextures in `userData.lobes`; dispose of them with the model. `options` are as
+ * in addLobes(). Materials with normal maps and no lobes are shaded at as many points (addPoints()). Maps get the
+ * renderer's most anisotropic filter. Loading fails if the extension is damaged. A material that cannot have lobes
  * keeps its own textures, with a warning on the console.
  */
 export class GltfLobes {
@@ -32,7 +33,7 @@ export class GltfLobes {
       if (!textures.has(index)) textures.set(index, this.lobes(all, index));
       return textures.get(index);
     };
-    const materials = new Map(); // extension's objects; GLTFLoader draws with clones of its materials where it must
+    const materials = new Map(); // the extension's objects; GLTFLoader may draw with clones of its materials
     const others = new Set();
     for (const scene of result.scenes)
       scene.traverse(({ material }) => {
@@ -82,7 +83,7 @@ export class GltfLobes {
       console.warn(`${NAME}: ${error.message}; it is drawn without lobes`);
       return;
     }
-    // The roughness of the surface itself; the material's has the normals' in it.
+    // The roughness of the surface only; the material's roughness includes the normals.
     material.roughness = extension.roughnessFactor ?? 1;
     material.roughnessMap = null;
     if (extension.metallicRoughnessTexture !== undefined)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of three.js that draw lobes, or shade several points of a pixel. Their shaders get that as they are
-// compiled (onBeforeCompile); nothing else of a material changes.
+// Makes materials of three.js draw lobes, or shade several points per pixel. Edits only their shaders, when these are
+// compiled (onBeforeCompile).
 import { ClampToEdgeWrapping, MirroredRepeatWrapping, ObjectSpaceNormalMap, REVISION, ShaderChunk } from "three";
 import { fragmentWithLobes } from "./lobe_shading.js";
 import { fragmentAtPoints } from "./shading_points.js";
 
 const TAPS_MAX = 16;
-// Of MeshPhysicalMaterial: what asks for more of a normal than lobes have.
+// Features of MeshPhysicalMaterial that need more from a normal than lobes have.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
 // Least spread of a pixel's normals, two levels finer, for which evaluations go to lobes: README.md, "Evaluations".
@@ -43,7 +43,7 @@ function checkNumbers(numbers) {
     if (!Number.isFinite(value)) throw new Error(`${name}: found ${value}, expected a number`);
 }
 
-/** What the loop over evaluations is compiled with. `mapBias` is over the whole pixel. */
+/** Returns the defines for the loop over evaluations. `mapBias` is for the whole pixel. */
 function evaluationDefines(evaluations, mapBias) {
   if (!Object.hasOwn(GRIDS, evaluations))
     throw new Error(`evaluations: found ${evaluations}, expected one of ${Object.keys(GRIDS).join(", ")}`);
@@ -51,10 +51,10 @@ function evaluationDefines(evaluations, mapBias) {
     MULTUM_MAP_BIAS: (mapBias - 0.5 * Math.log2(evaluations)).toFixed(3) };
 }
 
-/** Evaluations that are spent on lobes: as many points as are a power of two and have `lobeCount` each; 1 at least. */
+/** Returns the number of points with `lobeCount` evaluations each: a power of two, at least 1. */
 const lobePoints = (evaluations, lobeCount) => 2 ** Math.max(0, Math.floor(Math.log2(evaluations / lobeCount)));
 
-/** `edit(shader, renderer)` is called as the material is compiled; `key()` tells programs apart. */
+/** `edit(shader, renderer)` is called when the material is compiled; `key()` distinguishes programs. */
 function change(material, lobes, edit, key) {
   restore(material);
   const { onBeforeCompile, customProgramCacheKey } = material;
@@ -64,7 +64,7 @@ function change(material, lobes, edit, key) {
     onBeforeCompile.call(material, shader, renderer);
     edit(shader);
   };
-  // The default key is the text of onBeforeCompile, which is no longer the material's own.
+  // The default key is the text of onBeforeCompile, which is no longer the material's own function.
   material.customProgramCacheKey = () =>
     [onBeforeCompile.toString(), customProgramCacheKey.call(material), "multum", key()].join(" ");
   material.needsUpdate = true;
@@ -82,11 +82,11 @@ function restore(material) {
 }
 
 /**
- * Has `material` draw `lobes` (LobeTexture) where its normal map is filtered. Its roughness stays the surface's own.
+ * Makes `material` draw `lobes` (LobeTexture) where its normal map is filtered. Its roughness is the surface's own.
  *
- * `evaluations`: of the material's light in a pixel, 1, 2, 4, 8 or 16. `spend`: on "points", on "lobes", or on either,
- * pixel by pixel ("auto"). `taps`: trilinear lookups along the longer axis of a point's footprint, 1 to 16. `levelBias`
- * and `mapBias`: octaves added to the level of lobes and of all other maps. Throws Error where the material cannot have
+ * `evaluations`: number per pixel of the material's light, 1, 2, 4, 8 or 16. `spend`: on "points", "lobes" or, decided
+ * for each pixel, "auto". `taps`: trilinear lookups along the longer axis of a point's footprint, 1 to 16. `levelBias`
+ * and `mapBias`: octaves added to the level of lobes and of all other maps. Throws Error if the material cannot have
  * lobes. Clones of the material have none.
  */
 export function addLobes(material, lobes,
@@ -118,9 +118,9 @@ export function addLobes(material, lobes,
 }
 
 /**
- * Has `material`, without lobes, shade `evaluations` points of each pixel, 1, 2, 4, 8 or 16, and take the change of the
- * geometry's normals within a pixel for a variance of slopes. `mapBias`: octaves added to the level of its maps. Throws
- * Error where it is no physical material. Clones of the material are shaded as before.
+ * Makes `material`, without lobes, shade `evaluations` points of each pixel: 1, 2, 4, 8 or 16. The change of the
+ * geometry's normals within a pixel counts as a variance of slopes. `mapBias`: octaves added to the level of its maps.
+ * Throws Error if it is not a physical material. Clones of the material are shaded as before.
  */
 export function addPoints(material, { evaluations = 4, mapBias = -0.25 } = {}) {
   checkPhysical(material);
@@ -131,9 +131,9 @@ export function addPoints(material, { evaluations = 4, mapBias = -0.25 } = {}) {
   }, () => Object.values(defines).join(" "));
 }
 
-/** Has `material` draw as it did before addLobes() or addPoints(); nothing where neither was called. */
+/** Makes `material` draw as before addLobes() or addPoints(). Does nothing if neither was called. */
 export function removeLobes(material) { restore(material); }
 export const removePoints = removeLobes;
 
-/** The LobeTexture that `material` draws; null: none. */
+/** Returns the LobeTexture that `material` draws, or null. */
 export function lobesOf(material) { return states.get(material)?.lobes ?? null; }

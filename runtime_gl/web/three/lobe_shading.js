@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the add-on puts into the fragment shader of MeshStandardMaterial and MeshPhysicalMaterial, around the shading of
-// lobes that multum draws with itself (multum_lobes.js). three.js asks a material for four functions, RE_Direct and the
-// like, behind its shadows, attenuations and maps; those that depend on normals are replaced here, by ones that add up
-// over lobes. Lobes are taken to the space of the view, where three.js shades.
+// GLSL that the add-on inserts into the fragment shader of MeshStandardMaterial and MeshPhysicalMaterial, around
+// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, RE_Direct and similar
+// ones, after its shadows, attenuations and maps. The functions that depend on normals are replaced here by ones that
+// add up over lobes. Lobes are converted to view space, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
 import { fragmentAtPoints, replaced, VARIANCE } from "./shading_points.js";
 
-// The normal map's share: level 0 of 8 bits holds unit vectors but for their rounding, so its four texels are fetched
-// and made unit; coarser levels are averages whose length counts.
+// The normal map's share. An 8-bit level 0 holds unit vectors except for rounding, so its four texels are fetched and
+// normalised. Coarser levels are averages whose length counts.
 const NORMAL_MAP = `
 int multum_wrapped_texel(int i, int size, int mode) {
   if (mode == 1) return clamp(i, 0, size - 1);
@@ -47,25 +47,25 @@ vec3 multum_finest_normal(vec2 st, float level) {
 }
 `;
 
-// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. Where normals are alike
-// they are spent on points of the material as three.js has it, from 4 evaluations on. Where they are not, evaluations
-// are spent on lobes, or, near the level of the map, on points whose lobes are added up to one. Of more lobes than
-// evaluations the most alike are added up.
+// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. If normals are similar,
+// evaluations go to points of three.js's own material, from 4 evaluations on. Otherwise they go to lobes or, near the
+// level of the map, to points whose lobes are added up to one. If there are more lobes than evaluations, the most
+// similar lobes are added up.
 //
-// Lobes are read at points, each over its part of the footprint, and turned by the frame of its own place before they
-// are added up: the map of a model with few polygons cancels the turns of its interpolated normals.
+// Lobes are read at points, each over its part of the footprint, and turned by the frame of each place before they are
+// added up. A map baked for a model with few polygons cancels the turns of its interpolated normals.
 const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
-vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in the space of the view
-vec4 multum_lobe;  // the evaluation's own, of amplitude 1
+vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in view space
+vec4 multum_lobe;  // lobe of this evaluation, amplitude 1
 bool multum_lobes_pay = false, multum_is_plain = false, multum_maps_are_read = false;
 vec4 multum_read_maps[MULTUM_MAP_COUNT];
 
 #ifdef MULTUM_COLOUR_LAYERS
 uniform sampler2DArray u_lobe_colours;  // lobes 4 k to 4 k + 3 in MULTUM_COLOUR_LAYERS layers
 uniform float u_lobe_colour_range;
-const float MULTUM_TINT_MAX = 4.0;  // times the colour of all: what a lobe of hardly any normals has is noise
-float multum_tints[MULTUM_LOBE_COUNT];  // what a lobe's amplitude times its colour's factor is more than its amplitude
+const float MULTUM_TINT_MAX = 4.0;  // limit relative to the common colour: colours of lobes with few normals are noisy
+float multum_tints[MULTUM_LOBE_COUNT];  // a lobe's amplitude times its colour factor, minus its amplitude
 float multum_tint = 1.0;  // the factor of the evaluation's lobe
 
 void multum_add_tints(vec2 place, MultumFootprint on_lobes, float weight) {
@@ -85,7 +85,7 @@ void multum_add_tints(vec2 place, MultumFootprint on_lobes, float weight) {
 #endif
 
 vec4 multum_turned(mat3 frame, vec4 lobe) {
-  // Tangents that are not at right angles turn a lobe, and leave it its width.
+  // Tangents that are not at right angles turn a lobe but keep its width.
   vec3 turned = frame * lobe.xyz;
   return vec4(turned * (length(lobe.xyz) / max(length(turned), 1e-12)), lobe.w);
 }
@@ -99,7 +99,7 @@ vec4 multum_normal_map_part(vec2 st, MultumFootprint on_map) {
                                 multum_footprint_longer_lod(on_map, textureSize(normalMap, 0)));
 }
 
-// three.js's getTangentFrame() with derivatives taken before.
+// three.js's getTangentFrame() with derivatives computed before.
 mat3 multum_tangent_frame(vec3 n) {
   vec3 across_y = cross(-multum_along_y_vViewPosition, n), across_x = cross(n, -multum_along_x_vViewPosition);
   vec2 along_x = multum_along_x_vNormalMapUv, along_y = multum_along_y_vNormalMapUv;
@@ -109,7 +109,7 @@ mat3 multum_tangent_frame(vec3 n) {
   return mat3(t * scale, b * scale, n);
 }
 
-// At \`shift\` pixels from the point that is shaded.
+// Returns the frame at \`shift\` pixels from the shaded point.
 mat3 multum_frame(vec2 shift, float side) {
 #ifdef FLAT_SHADED
   vec3 n = normalize(cross(dFdx(vViewPosition), dFdy(vViewPosition)));
@@ -133,14 +133,14 @@ mat3 multum_frame(vec2 shift, float side) {
   return frame;
 }
 
-// Over a part of the pixel, \`part\` of its width and height.
+// Returns the footprint of a part of the pixel; \`part\` is a share of its width and height.
 MultumFootprint multum_part_footprint(vec2 part) {
   vec2 size = vec2(multum_lobe_map_size());
   return multum_footprint_of(part.x * multum_along_x_vNormalMapUv * size, part.y * multum_along_y_vNormalMapUv * size,
                              size);
 }
 
-// Lobes of the part of the pixel about the point that is shaded, read at \`count\` places of it.
+// Fetches the lobes of the part of the pixel about the shaded point, at \`count\` places of it.
 void multum_fetch_lobes(float count, vec2 part, float side) {
   vec2 size = vec2(multum_lobe_map_size());
   vec2 grid = multum_point_grid(count, length(part.x * multum_along_x_vNormalMapUv * size),
@@ -175,9 +175,9 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 #endif
 }
 
-// What a pixel's evaluations are spent on: by the spread of all normals about it, one level finer than its own. Four
-// neighbours, which take derivatives of one another, ask at one place, between them, and so decide alike: textures are
-// read with derivatives, and those need all four.
+// Decides how to spend a pixel's evaluations, by the spread of all normals about it, one level finer than its own. Four
+// neighbouring pixels, which share derivatives, use one place between them, so they decide alike. All four must read
+// textures together, because the lookups need derivatives.
 void multum_decide() {
 #if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
@@ -197,8 +197,8 @@ void multum_decide() {
 
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
-// All other maps over a point's part of the pixel. Evaluations that are spent on lobes leave fewer points, and their
-// maps are the means of as many places as there would be, read with a point's first lobe.
+// Reads all other maps over a point's part of the pixel. Evaluations that go to lobes leave fewer points; a point's
+// maps are then means of as many places as there would be, read with the point's first lobe.
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
   if (multum_maps_are_read) return multum_read_maps[number];
   ivec2 points = multum_points(), places = MULTUM_POINTS / points;
@@ -211,7 +211,7 @@ vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) 
   return multum_read_maps[number];
 }
 
-// Point of the evaluation, from the pixel's middle, in pixels.
+// Returns the evaluation's point, in pixels from the pixel's middle.
 vec2 multum_shift(int evaluation) {
   ivec2 points = multum_points();
   int point = multum_lobes_pay ? evaluation / MULTUM_SPENT_LOBES : evaluation;
@@ -238,7 +238,7 @@ float multum_take_lobe(int evaluation, vec3 normal, float side) {
   if (multum_lobes_pay) multum_tint = clamp(tint, 0.0, MULTUM_TINT_MAX);
 #endif
   multum_lobe = vec4(multum_lobe.xyz / max(multum_lobe.w, 1e-6), 1.0);
-  // Three lobes need three of four evaluations.
+  // Three lobes use three of four evaluations.
   return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_SPENT_LOBES ? 0.0 : weight;
 }
 `;
@@ -275,8 +275,9 @@ void RE_Direct_Multum(const in IncidentLight directLight, const in vec3 geometry
 #define RE_Direct RE_Direct_Multum
 `;
 
-// Light that three.js knows for one normal and roughness alone: a lobe is its mean direction, and a roughness that is
-// wider by the lobe's slopes, alpha^2 + 2 / kappa. How much the surface reflects is that of its own roughness.
+// Light that three.js computes only for one normal and roughness: a lobe is reduced to its mean direction and a
+// roughness widened by the lobe's slopes, alpha^2 + 2 / kappa. The amount of reflected light follows from the surface's
+// roughness.
 const INDIRECT = `
 float multum_widened_roughness(float roughness) {
   float alpha = pow2(roughness);
@@ -295,7 +296,7 @@ vec3 multum_radiance(vec3 v, vec3 normal, float roughness) {
   return getIBLRadiance(v, normal, multum_is_plain ? roughness : multum_widened_roughness(roughness));
 }
 
-// The environment's harmonics of order 1 shrink by the length of the lobe's mean vector.
+// The environment's harmonics of order 1 are scaled by the length of the lobe's mean vector.
 vec3 multum_irradiance(vec3 normal) {
   vec3 along = getIBLIrradiance(normal);
   float spread = multum_is_plain ? 0.0 : multum_movmf_spread(multum_lobe);
@@ -333,7 +334,7 @@ void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in ve
 #endif
 `;
 
-// Green points the way that normalScale says; how far is in the lobes.
+// normalScale gives only the direction of green; lobes contain the scale.
 const NORMAL = `
 multum_weight = multum_take_lobe(multum_evaluation, normal, faceDirection);
 if (dot(multum_lobe.xyz, multum_lobe.xyz) > 1e-12) normal = normalize(multum_lobe.xyz);
@@ -342,16 +343,16 @@ diffuseColor.rgb *= multum_tint;
 #endif
 `;
 
-// The change of the geometry's normals is in lobes.
+// Lobes contain the change of the geometry's normals.
 const GEOMETRY = `
 if (multum_is_plain) ${VARIANCE}
 `;
 
-/** The fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
+/** Returns the fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
 export function fragmentWithLobes(fragment, defines, chunks, revision) {
   const edit = (name, chunk) => {
     if (name === "normal_fragment_maps") return `${chunk}\n${NORMAL}`;
-    // A hemisphere's light is linear in the normal: that of the lobe's mean is exact.
+    // A hemisphere's light is linear in the normal, so the lobe's mean gives the exact result.
     if (name === "lights_fragment_begin")
       return replaced(chunk, "hemisphereLights[ i ], geometryNormal", "hemisphereLights[ i ], multum_lobe.xyz",
         revision);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobe textures, `multum export NAME.ndf.exr --lobes -o NAME.ktx2` (docs/reference/lobe_textures.md, "Lobes for GPUs"),
-// for three.js.
-// Its KTX2Loader makes textures of one layer of such formats, so the file is read by the reader that it has inside.
+// Lobe textures for three.js, written by `multum export NAME.ndf.exr --lobes -o NAME.ktx2`
+// (docs/reference/lobe_textures.md, "Lobes for GPUs"). three.js's KTX2Loader makes single-layer textures of such
+// formats, so this module uses the parser inside it.
 import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter,
   LinearMipmapLinearFilter, Loader, LoaderUtils, MirroredRepeatWrapping, RED_GREEN_RGTC2_Format, RepeatWrapping,
   RGBAFormat, UnsignedByteType } from "three";
@@ -13,7 +13,7 @@ import { ggxLobeTable } from "./multum_lobes.js";
 
 const SIDE_MAX = 16384, LOBES_MAX = 8;
 const BYTES_OF_TEXEL = { [VK_FORMAT_R8G8B8A8_UNORM]: 4, [VK_FORMAT_R16G16B16A16_SFLOAT]: 8 };
-// Beyond a black border docs/reference/lobe_textures.md allows a clamp.
+// docs/reference/lobe_textures.md allows clamping in place of a black border.
 const WRAPPING = { periodic: RepeatWrapping, clamp: ClampToEdgeWrapping, mirror: MirroredRepeatWrapping,
   black: ClampToEdgeWrapping };
 
@@ -25,7 +25,7 @@ function levelBytes(format, width, height) {
   return width * height * BYTES_OF_TEXEL[format];
 }
 
-/** The table of GGX over lobes, shared by all lobe textures and gone with the last of them. */
+/** The table of GGX over lobes, shared by all lobe textures and disposed of with the last one. */
 const sharedTable = {
   texture: null,
   users: 0,
@@ -47,7 +47,7 @@ const sharedTable = {
 
 /** Lobes on the GPU, for any number of materials. */
 export class LobeTexture {
-  /** `facts`: the JSON of the file's key multumLobes, checked. */
+  /** `facts`: the checked JSON of the file's key multumLobes. */
   constructor(texture, facts, layersPerLobe) {
     this.texture = texture;
     this.facts = facts;
@@ -59,13 +59,13 @@ export class LobeTexture {
     this.colours = null; // { texture, range, layersPerFour }: LobeLoader.parseColours()
   }
 
-  /** Bytes on the GPU, without the table's 8 KB. */
+  /** Returns the bytes on the GPU, without the table's 8 KB. */
   get byteCount() {
     const all = [...this.texture.mipmaps, ...(this.colours?.texture.mipmaps ?? [])];
     return all.reduce((sum, { data }) => sum + data.byteLength, 0);
   }
 
-  /** Materials that have it must be disposed of before, or given others. */
+  /** Dispose of materials with these lobes first, or give them others. */
   dispose() {
     if (this.ggxTable === null) return;
     this.texture.dispose();
@@ -75,7 +75,7 @@ export class LobeTexture {
   }
 }
 
-/** The JSON of a key, of version 1. */
+/** Returns the JSON of a key; its version must be 1. */
 function jsonOf(container, key, refuse) {
   const text = container.keyValue[key];
   if (text === undefined) refuse(`no key ${key}`, "a KTX2 file of multum export --lobes or multum gltf --lobes");
@@ -117,7 +117,7 @@ function factsOf(container, refuse) {
   return facts;
 }
 
-/** Of colours, which go with `lobes`. */
+/** Checks the facts of colours that belong to `lobes`. */
 function colourFactsOf(container, lobes, refuse) {
   const facts = jsonOf(container, "multumLobeColours", refuse);
   checkSides(container, facts, refuse);
@@ -142,7 +142,7 @@ function checkShape({ vkFormat, pixelWidth, pixelHeight, pixelDepth, faceCount, 
   if (!isWhole(levels.length, 1, most)) refuse(`${levels.length} levels`, `1 to ${most}`);
 }
 
-/** The bytes of each level, which have the length that the format asks for. */
+/** Returns the bytes of each level; each must have the length that the format requires. */
 async function levelsOf(container, refuse) {
   const { levels, supercompressionScheme, vkFormat, pixelWidth, pixelHeight, layerCount } = container;
   let zstd = null;
@@ -185,14 +185,14 @@ function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
 }
 
 /**
- * Loads lobe textures: `load`, `loadAsync` and `parse` as three.js's other loaders have them, of LobeTexture.
+ * Loads lobe textures: `load`, `loadAsync` and `parse` as in three.js's other loaders, with a LobeTexture as result.
  *
  *     const lobes = await new LobeLoader().detectSupport(renderer).loadAsync("bricks.ktx2");
  */
 export class LobeLoader extends Loader {
   constructor(manager) {
     super(manager);
-    this.hasBlocks = false; // without detectSupport(): BC5 is decoded, which draws everywhere and takes twice the bytes
+    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: this draws everywhere and takes twice the bytes
   }
 
   detectSupport(renderer) {
@@ -213,13 +213,13 @@ export class LobeLoader extends Loader {
       onProgress, fail);
   }
 
-  /** Of a file's bytes, `name` for what is said of it. Rejects with an Error: what was found, what was expected. */
+  /** Parses a file's bytes; `name` appears in errors. Rejects with an Error: what was found, what was expected. */
   async parse(buffer, name = "lobe texture") {
     const { texture, facts, isBlocks } = await this.textureAndFacts(buffer, name, factsOf);
     return new LobeTexture(texture, facts, isBlocks ? 2 : 1);
   }
 
-  /** Gives `lobes` their colours, of a file's bytes; before addLobes(). Rejects as parse() does. */
+  /** Gives `lobes` their colours from a file's bytes. Call before addLobes(). Rejects as parse() does. */
   async parseColours(buffer, lobes, name = "colours of lobes") {
     const { texture, facts, isBlocks } = await this.textureAndFacts(buffer, name, (container, refuse) =>
       colourFactsOf(container, lobes, refuse));
@@ -228,7 +228,7 @@ export class LobeLoader extends Loader {
 
   async textureAndFacts(buffer, name, factsFrom) {
     const refuse = (found, expected) => { throw new Error(`${name}: found ${found}, expected ${expected}`); };
-    // Readers of KTX2 trust that an array's buffer ends with it.
+    // Readers of KTX2 assume that an array's buffer ends with the array.
     const bytes = ArrayBuffer.isView(buffer) ? new Uint8Array(buffer).slice() : new Uint8Array(buffer);
     let container;
     try {
@@ -243,7 +243,7 @@ export class LobeLoader extends Loader {
       refuse(`levels that cannot be decompressed (${error.message})`, "them as the export wrote them");
     });
     const isBc5 = container.vkFormat === VK_FORMAT_BC5_UNORM_BLOCK;
-    // WebGL has no blocks of textures whose sides are no multiples of theirs.
+    // WebGL supports block compression only for sides that are multiples of the block size.
     const isWholeBlocks = container.pixelWidth % 4 === 0 && container.pixelHeight % 4 === 0;
     const decodes = isBc5 && !(this.hasBlocks && isWholeBlocks);
     return { texture: textureOf(levels, container, facts, decodes), facts, isBlocks: isBc5 && !decodes };

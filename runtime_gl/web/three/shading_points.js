@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Has the fragment shader of a physical material shade several points of a pixel, each over its part of the footprint,
-// and take the mean of their light before tone mapping. three.js's own text is the body of a loop; what it interpolates
-// over triangles is moved to each point.
+// Makes the fragment shader of a physical material shade several points per pixel, each over its part of the footprint,
+// and average their light before tone mapping. three.js's own text becomes the body of a loop; interpolated values are
+// moved to each point.
 
-/** `text` with `to` in place of `from`; an Error where it is not there. */
+/** Returns `text` with `from` replaced by `to`. Throws Error if `text` does not contain `from`. */
 export function replaced(text, from, to, revision) {
   if (!text.includes(from))
     throw new Error(`@multum/three: found no ${from.trim()} in the shaders of three.js r${revision}, expected one as ` +
@@ -11,13 +11,13 @@ export function replaced(text, from, to, revision) {
   return text.replace(from, () => to);
 }
 
-// By the name that three.js gives it, `multum_NAME`: its value at the point.
+// Names of three.js's varyings; `multum_NAME` is the value of NAME at the point.
 const MOVED = "vUv vMapUv vAlphaMapUv vLightMapUv vAoMapUv vBumpMapUv vNormalMapUv vEmissiveMapUv vMetalnessMapUv " +
   "vRoughnessMapUv vAnisotropyMapUv vClearcoatMapUv vClearcoatNormalMapUv vClearcoatRoughnessMapUv vIridescenceMapUv " +
   "vIridescenceThicknessMapUv vSheenColorMapUv vSheenRoughnessMapUv vSpecularMapUv vSpecularColorMapUv " +
   "vSpecularIntensityMapUv vNormal vTangent vBitangent vViewPosition vColor";
 const DECLARED = new RegExp(`varying (vec[234]) (${MOVED.split(" ").join("|")});`, "g");
-const BODY = ["#include <map_fragment>", "#include <opaque_fragment>"]; // its first line, and the one behind it
+const BODY = ["#include <map_fragment>", "#include <opaque_fragment>"]; // the body's first line, the line after it
 
 const movable = (text) => text.replace(DECLARED, (declared, type, name) => `${declared}
 ${type} multum_${name}, multum_along_x_${name}, multum_along_y_${name};
@@ -38,7 +38,7 @@ ${each((name) => `multum_derive_${name}()`)}}
 void multum_move(vec2 by) {  // from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
-// Without lobes.
+// Maps without lobes.
 const PLAIN = `
 void multum_decide() {}
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
@@ -79,11 +79,12 @@ const END = `
   diffuseColor.a = multum_alpha;
   vec3 outgoingLight = multum_light;
 `;
-// Decided for the whole pixel, by its mean alpha.
+// Decided for the whole pixel by its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
 // The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
-// 2019), where three.js adds the largest change of a component to the roughness.
+// 2019).
+// three.js instead adds the largest change of a component to the roughness.
 const GEOMETRY = "material.roughness += geometryRoughness;";
 export const VARIANCE = `{
   vec3 along_x = dFdx(nonPerturbedNormal), along_y = dFdy(nonPerturbedNormal);
@@ -92,17 +93,17 @@ export const VARIANCE = `{
 }`;
 
 /**
- * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
- * MULTUM_MAP_BIAS octaves coarser than all of it asks for. `defines` by name. `lobes`: GLSL with multum_decide(),
- * multum_shift() and multum_map(), whose first parameter numbers the lookups, which replaces points alone; `geometry`:
- * what the change of the geometry's normals does to roughness.
- * `edit(name, text)`: what stands in place of a chunk's text.
+ * Returns the fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, maps sampled
+ * MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` by name. `lobes`: GLSL with multum_decide(),
+ * multum_shift() and multum_map(), whose first parameter numbers the lookups, in place of plain points. `geometry`:
+ * the effect of the change of the geometry's normals on roughness.
+ * `edit(name, text)`: returns the replacement of a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
   { defines, lobes = null, geometry = VARIANCE, edit = (name, text) => text }) {
   const written = (text, isWanted) => movable(text.replace(/#include <(\w+)>/g, (include, name) =>
     isWanted(name) ? edit(name, chunks[name]) : include));
-  for (const line of BODY) replaced(fragment, line, "", revision); // an Error where it is not there
+  for (const line of BODY) replaced(fragment, line, "", revision); // throws an Error if the line is missing
   const [main, first, behind] = ["void main() {", ...BODY].map((line) => fragment.indexOf(line));
   const declared = written(fragment.slice(0, main), (name) => /^(uv|normal|color)_pars_fragment$/.test(name));
   let body = ALPHA_TESTS.reduce((text, name) => replaced(text, `#include <${name}>`, "", revision),
