@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and turned away.
+// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and facing away.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// An expression of b.x and b.y over pairs of numbers, against `exact` of them as floats.
+// Compares an expression of b.x and b.y over pairs of numbers with `exact` at the same floats.
 struct PairComparison {
   std::string expression;
   std::vector<std::pair<double, double>> inputs;
@@ -54,7 +54,7 @@ void ggx_peak(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits, {"multum_ggx(b.x, b.y)", grid(alphas, ones), exact, true}, worst);
 }
 
-// V n.l, which is what is used: 0 where n.l is, however near 0 n.v is too.
+// The shader uses V n.l, which is 0 where n.l is 0, however near 0 n.v is.
 void smith_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exact = [](double n_l, double n_v) {
     if (n_l == 0.0) return 0.0;
@@ -92,7 +92,7 @@ void eighth_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// 1 - v.h beyond its ends: cosines that rounding left above 1, and views from below.
+// 1 - v.h outside 0 to 1: cosines that rounding left above 1, and views from below.
 void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits,
           {"multum_schlick(vec3(b.x), b.y).x", grid({0.0, 0.04, 1.0}, {-1.0, -1e-6, 0.0, 1e-6, 0.5, 1.0, 1.0001, 2.0}),
@@ -100,7 +100,7 @@ void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// d, q and e as a.xyz; over the peak, and the peak itself.
+// d, q and e are a.xyz; compares the ratio to the peak, and the peak.
 void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{
       "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
@@ -122,10 +122,10 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// What a shader knows of one BRDF, by its flags: f of one normal and of a lobe, over the peak; V; F.
+// The shader functions of one BRDF, selected by its flags: f of one normal and of a lobe, relative to the peak; V; F.
 struct FacetsOf {
   std::vector<std::string> flags;
-  std::string visibility, fresnel;  // expressions of c = b.w, a cosine
+  std::string visibility, fresnel;  // expressions of the cosine c = b.w
   double peak;
   std::function<double(double theta)> facets = {};
   std::function<double(double spread, double theta)> lobe_facets = {};
@@ -196,7 +196,7 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
   }
 }
 
-// Two terms, one of negative weight that outweighs the other far from the peak.
+// Two terms: far from the peak, the one with negative weight outweighs the other.
 void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
@@ -248,7 +248,7 @@ double ggx_facet_kappa(double alpha, double kappa, double e) {
   return facets;
 }
 
-// A lobe opposite to h that is as sharp as the facets: they cancel.
+// A lobe opposite to h and as sharp as the facets: they cancel.
 void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float alpha : {0.0025f, 0.5f, 1.0f})
@@ -263,11 +263,11 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
   compare_glsl(gl, edits, c, worst);
 }
 
-// The highlights of hard lobes: f(n . h) max(n . l, 0) over them, each term of facets with its own cosine.
+// The highlights of hard lobes: the mean of f(n . h) max(n . l, 0) over each; each term of facets has its own cosine.
 struct HighlightOf {
   std::vector<std::string> flags;
-  std::vector<glm::dvec2> terms;                                   // weight and kappa; as they are shaded
-  std::function<double(double spread, double theta)> lobe_facets;  // of a single term, by its own formula
+  std::vector<glm::dvec2> terms;                                   // weight and kappa of each term
+  std::function<double(double spread, double theta)> lobe_facets;  // for a single term with its own formula
   std::function<void(const ShaderProgram&)> set_uniforms;
 };
 
@@ -367,7 +367,7 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// As brdf/charlie.glsl has it of a lobe of amplitude 1: mean and variance of n . h.
+// The mean and variance of n . h over a lobe of amplitude 1, as in brdf/charlie.glsl.
 struct LobeProjection {
   double mean, variance;
 };
@@ -410,7 +410,7 @@ void charlie_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Both cosines 0, one of them, and none.
+// Both cosines are 0, one is 0, or neither is.
 void sheen_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_sheen_visibility(a.x, a.y) * a.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float n_l : {0.0f, 1e-6f, 1e-3f, 0.5f, 1.0f})
@@ -445,7 +445,7 @@ void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& w
   }
 }
 
-// Tables that hold their own index: what is read says where.
+// The tables hold their own indices, so that each value read tells its place.
 void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kFacets = 90, kDifferences = 19;
   GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};

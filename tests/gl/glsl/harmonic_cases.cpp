@@ -19,9 +19,9 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr int kUnrolledOrder = 4;  // 20 is tests/agreement's; compilers take loops apart
+constexpr int kUnrolledOrder = 4;  // tests/agreement runs 20; compilers unroll the loops
 
-// Coefficients of each set of directions, and what shades them; the texture has a row a set.
+// Shades the coefficients of each set of directions; the texture has one row per set.
 struct Harmonics {
   int order;
   std::vector<std::vector<glm::dvec3>> sets;
@@ -95,7 +95,7 @@ GlslInputs sets_and_directions(std::size_t set_count) {
   return inputs;
 }
 
-// Both shading functions against the series in double, at the poles too, over the peak of one tilt.
+// Compares both shading functions with the series in double, also at the poles, relative to the peak of one tilt.
 void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {12.0, 500.0}) {
     const ZonalCoefficients of_brdf = zonal_blinn_phong(kUnrolledOrder, s), of_lambert = zonal_lambert(kUnrolledOrder);
@@ -137,7 +137,7 @@ void harmonics_ring_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// E[n] and E[n n^T]; of order 1, which has no second moments, as if all directions were alike.
+// E[n] and E[n n^T]; order 1 has no second moments, and shades as if all directions were alike.
 void moments_of_harmonics(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const int order : {1, 2}) {
     Harmonics h = harmonics_of(gl, order);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The numerical cases of light/: directions at the poles of an environment and along the view, tables and levels at
-// their ends, light from straight behind and from the surface itself.
+// their ends, light from exactly behind and from a point on the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ void places_at_the_poles(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// A normal under a strong light, everywhere around: behind it the series of two bands is below 0.
+// Turns a normal all around under a strong light: behind it the series of two bands is below 0.
 void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double mean : {1.0, 0.1}) {
     const SmoothLight light = {mean, {0.3, -0.4, 1.0}};
@@ -67,7 +67,7 @@ void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, Wors
   }
 }
 
-// Entries that hold their own place: what is read says where, and whether another plane is mixed in.
+// Entries hold their own place: a value read tells the place, and whether another plane is mixed in.
 void table_at_its_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kColumns = 32, kRows = 24, kPlanes = 3;
   std::vector<glm::vec4> texels;
@@ -109,8 +109,8 @@ void levels_beyond_their_ends(const GlFunctions& gl, const Edits& edits, WorstEr
   compare_glsl(gl, edits, c, worst);
 }
 
-// The same light from everywhere: a lobe of any width shows it as it is, seen along it too, where the plane of v and mu
-// is none.
+// Equal light from every direction: a lobe of any width shows exactly this light. That includes views along the lobe,
+// where v and mu span no plane.
 void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -132,7 +132,7 @@ void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Every harmonic of the half vector's light alone in its plane; lobes at the poles, of every width; then no light.
+// Tries each harmonic of the half vector's light separately, with lobes of every width at the poles; then no light.
 void harmonics_of_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kOrder = 8, kCount = (kOrder + 1) * (kOrder + 1), kGrid = 2;
   SplitMix64 random(81);
@@ -203,10 +203,10 @@ ShaderHarnessInput sampling_variant(const Texture& map, float exponent) {
   return variant;
 }
 
-constexpr float kTexelRadiance = 0.25f;  // of every texel
+constexpr float kTexelRadiance = 0.25f;  // the same in every texel
 constexpr double kLightDensity = 0.25 / 4.0;
 
-// Densities relative to the GGX's peak; v.h as near 0 as it comes, and below.
+// Densities relative to the peak of GGX; v.h tends to 0 and below.
 void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
   GlslComparison c{
@@ -241,7 +241,7 @@ void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Light straight against the view on a normal that is turned away from who looks: there is no half vector.
+// The light is opposite to the view, and the normal faces away from the viewer: there is no half vector.
 void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kAlpha = 0.02, kExponent = 10.0;
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
@@ -286,7 +286,7 @@ ShaderHarnessInput lights_variant(const glm::vec3& point) {
   return variant;
 }
 
-// Of a lobe that is one direction, per irradiance.
+// Returns the radiance per irradiance of a lobe of one direction.
 double radiance_of(const glm::dvec3& n, const glm::dvec3& l, const glm::dvec3& v) {
   const double n_l = std::max(glm::dot(n, l), 0.0), s = static_cast<double>(kLitExponent);
   return n_l * (static_cast<double>(kDiffuse) / M_PI +
@@ -307,7 +307,7 @@ void light_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// A light at the very place that it lights has no direction; from elsewhere it falls off with the squared distance.
+// A light at the very point that it lights has no direction; elsewhere its irradiance falls with the squared distance.
 void a_light_on_the_surface(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const glm::vec3& point : {glm::vec3(0.0f), glm::vec3(0.0f, 3.0f, 4.0f), glm::vec3(0.0f, 0.0f, -1e-3f)}) {
     GlslComparison c{"vec4(multum_lights(test_surface(a), mat3(1.0), vec3(0.0), b.xyz), 0.0)", {}, {}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of surface/ and of a mesh's tangent frame: every representation of one single normal against that
-// normal in double, from above, below and straight behind, and no material at all.
+// The numerical cases of surface/ and of a mesh's tangent frame. Compares every representation of a single normal with
+// that normal in double, seen from above, from below and from exactly behind; also tries an empty material.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ constexpr double kFacetExponent = 16.0;
 const double kSigma = 0.25, kFacetKappa = 0.5 / (kSigma * kSigma);
 const glm::dvec3 kView(0.0, 0.0, 1.0);
 
-// V of cook_torrance.glsl, which divides by no cosine that may be 0.
+// Computes V of cook_torrance.glsl without dividing by a cosine that may be 0.
 double visibility(double n_l, double n_v, double n_h, double v_h) {
   const double groove = 2.0 * n_h / std::max(v_h, 1e-4);
   return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), groove / std::max({n_l, n_v, 1e-4}));
@@ -44,11 +44,11 @@ double blinn_phong(const glm::dvec3& n, const glm::dvec3& h) {
   return reference::blinn_phong(kFacetExponent, angle_between(n, h));
 }
 
-// One representation of the normal a.xyz, of amplitude a.w: how a shader is given it, and f(n . h) of it.
+// One representation of the normal a.xyz with amplitude a.w: its input to the shader, and its f(n . h).
 struct SurfaceTest {
   std::vector<std::string> flags;
   std::string texts;
-  std::string fill;  // statements that make `surface` of `a`
+  std::string fill;  // statements that fill `surface` from `a`
   bool has_visibility;
   double normal_degrees_max = 180.0;
   std::function<double(const glm::dvec3& n, const glm::dvec3& l)> diffuse =
@@ -104,7 +104,7 @@ void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_surface(gl, edits, test, worst);
 }
 
-// d h + mu / s of a half vector straight opposite to mu: they cancel. And what else has no direction.
+// d h + mu / s with a half vector opposite to mu: the terms cancel. Also tries other sums without a direction.
 void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, lobe_texts(), "", true};
   GlslComparison c{"vec4(test_highlight(a, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0), b.xyz), 0.0, 0.0, 0.0)", {}, {}};
@@ -146,7 +146,7 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
   compare_surface(gl, edits, test, worst);
 }
 
-// As one normal (MIP) and by Toksvig's rule, where roughness is in the length too.
+// The normal as one normal (MIP) and by Toksvig's rule, where its length holds the roughness too.
 void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
     SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
@@ -156,7 +156,7 @@ void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// The exponents of a roughness map, from mirrors to all of it, as the variances that they stand for.
+// Converts the exponents of a roughness map, from mirrors to the roughest, to variances.
 void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kMirrorExponent = 1e5;
   GlslComparison c{"test_variances(a.x)", {}, {}};
@@ -181,7 +181,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Basis functions of the normal to order 2, as a file has them.
+// Basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
@@ -222,7 +222,7 @@ void single_normals_as_harmonics(const GlFunctions& gl, const Edits& edits, Wors
   compare_glsl(gl, edits, c, worst);
 }
 
-// The same light from everywhere on each: a single normal shows it as it is, no material shows nothing.
+// Equal light from every direction: a single normal shows exactly this light, an empty material shows none.
 void compare_environment(const GlFunctions& gl, const Edits& edits, const SurfaceTest& test, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -263,7 +263,7 @@ void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Light from everywhere, and light that two bands make: E[n] and E[n n^T] are what they take.
+// Light from everywhere, and light made of two bands: both need only E[n] and E[n n^T].
 void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
                    kFillHarmonics, false};
@@ -286,7 +286,7 @@ void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, Wors
   compare_glsl(gl, edits, c, worst);
 }
 
-// Columns that must be unit and at right angles, whatever the tangent; and the tangent's own direction where it has
+// The columns must be unit vectors at right angles for every tangent, and must keep the tangent's direction if it has
 // one.
 void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
