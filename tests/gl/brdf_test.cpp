@@ -119,7 +119,7 @@ TEST_F(BrdfTest, RoughGgxOfFourTermsIsWithinItsBound) {
       of_alpha = std::max(of_alpha, relative_l1(angles, evaluate(input), exact));
     }
     EXPECT_LT(of_alpha, bound) << "alpha " << alpha;
-    EXPECT_GT(of_alpha, 0.7 * bound) << "the stated bound is too wide, alpha " << alpha;
+    EXPECT_GT(of_alpha, 0.7 * bound) << "the documented bound is too wide, alpha " << alpha;
     std::printf("GGX of alpha %.2f, four terms, kappa 0.5 to 2000: at most %.1f %%\n", alpha, of_alpha);
   }
 }

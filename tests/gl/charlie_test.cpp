@@ -120,7 +120,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
     for (const double kappa : {0.5, 3.0, 10.0, 40.0, 200.0, 2000.0}) {
       const Errors errors = errors_over(
           roughness, kappa, [&](const ShaderHarnessInput& input) { return evaluate(input, roughness * roughness); });
-      std::printf("roughness %.2f, kappa %g: facets %.2f %% off, highlight %.2f %%\n", roughness, kappa,
+      std::printf("roughness %.2f, kappa %g: error of facets %.2f %%, of the highlight %.2f %%\n", roughness, kappa,
                   100.0 * errors.facets, 100.0 * errors.cosine);
       double& bound = kappa >= 40.0 ? worst_of_sharp : worst;
       bound = std::max(bound, 100.0 * errors.facets);
@@ -128,7 +128,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
     }
   for (const auto& [kappa, error] : highlight) std::printf("kappa %g: highlights at most %.2f %%\n", kappa, error);
   EXPECT_LT(worst, 9.0);
-  EXPECT_GT(worst, 7.0) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 7.0) << "the documented bound is too wide";
   EXPECT_LT(worst_of_sharp, 2.0);
   EXPECT_LT(highlight.at(0.5), 28.5);
   EXPECT_LT(highlight.at(3.0), 15.0);
@@ -193,12 +193,12 @@ TEST(CharlieTerms, AreAsFarOffAsStated) {
         off += std::sin(theta) * std::abs(std::max(sum, 0.0) - exact);
         total += std::sin(theta) * exact;
       }
-      std::printf("four terms, roughness %.2f, kappa %g: %.1f %% off\n", roughness, kappa, 100.0 * off / total);
+      std::printf("four terms, roughness %.2f, kappa %g: error %.1f %%\n", roughness, kappa, 100.0 * off / total);
       any = std::max(any, 100.0 * off / total);
       if (kappa >= 100.0) sharp = std::max(sharp, 100.0 * off / total);
     }
     EXPECT_LT(any, bounds.any) << roughness;
-    EXPECT_GT(any, 0.8 * bounds.any) << "the stated bound is too wide, roughness " << roughness;
+    EXPECT_GT(any, 0.8 * bounds.any) << "the documented bound is too wide, roughness " << roughness;
     EXPECT_LT(sharp, bounds.sharp) << roughness;
   }
 }

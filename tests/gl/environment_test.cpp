@@ -195,7 +195,7 @@ TEST_P(EnvironmentTest, BruteForceIsTheSumOverTheTexels) {
 }
 
 TEST_P(EnvironmentTest, ConstantLightIsFilteredExactly) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   EnvironmentMap white = make_sky(32, 0.2);
   std::fill(white.texels.begin(), white.texels.end(), glm::vec3(1.0f));
   scene_.environment = make_environment_light(white);
@@ -223,7 +223,7 @@ double light_of(const FloatImage& image) {
 // two levels and the table scales all light alike. The three highlights of prefiltered levels have errors of 9, 14 and
 // 15 % if the level is wrong by one half. They have 8.8, 17 and 2 % if the spread is half as wide.
 TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   scene_.environment = make_environment_light(make_sky(64, 0.3));
   const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   const auto error = [&](EnvironmentMode mode, const FloatImage& exact) {
@@ -254,7 +254,7 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
 
 // A nearly perfect mirror shows the map. Texels of 3 degrees blend in one picture and not in the other.
 TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(30000.0f);
   const TestMap flat = make_flat_map(4);
   EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), reference(flat, 64)).relative_l1, 0.03);  // 2.0 %
@@ -262,7 +262,7 @@ TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
 
 // A highlight spread wide by the normals takes 3 x 3 lookups: the error is 8.2 %, or 13.6 % with lookups too close.
 TEST_P(EnvironmentTest, WideHighlightsAreFollowed) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(40.0f);
   const TestMap noise = make_noise_map(16, 0.3f, WrapMode::kPeriodic);
   EXPECT_LT(picture_error(lobes(noise, EnvironmentMode::kPrefiltered), reference(noise, 256)).relative_l1, 0.10);

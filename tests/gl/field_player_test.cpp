@@ -129,7 +129,7 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
       ++t;
     }
   }
-  EXPECT_GT(missing, 0u) << "nothing was ever late: the test saw nothing";
+  EXPECT_GT(missing, 0u) << "no texture was ever late, so that nothing was tested";
 }
 
 TEST_P(FieldPlayerTest, AnyNumberOfThreadsGivesTheSameTextures) {

@@ -98,7 +98,7 @@ TEST_F(GgxLobeTest, IsNearTheExactConvolutionAtEveryRoughness) {
     worst = std::max(worst, of_roughness);
   }
   EXPECT_LT(worst, 4.5);
-  EXPECT_GT(worst, 3.5) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 3.5) << "the documented bound is too wide";
 }
 
 // Compares the quadrature that the table is fitted to with a second, simpler quadrature.
@@ -111,7 +111,7 @@ TEST_F(GgxLobeTest, FitsAreToTheReference) {
         EXPECT_NEAR(convolved_ggx_facets(alpha, kappa, theta) / exact, 1.0, 3e-4)
             << "alpha " << alpha << " kappa " << kappa << " theta " << theta;
       }
-  EXPECT_NEAR(convolved_ggx_facets(1.0, 2000.0, 0.02) * kPi, 1.0, 1e-9) << "facets that are alike in all directions";
+  EXPECT_NEAR(convolved_ggx_facets(1.0, 2000.0, 0.02) * kPi, 1.0, 1e-9) << "facets of equal density in all directions";
 }
 
 TEST_F(GgxLobeTest, ALobeOfOneNormalIsGgx) {
@@ -218,11 +218,11 @@ TEST_F(GgxLobeTest, TheHighlightsCosineIsNear) {
         off += std::abs(highlights[i] / densities[i] - exact_cosines[i]) * weights[i];
         total += exact_cosines[i] * weights[i];
       }
-      std::printf("roughness %.2f, kappa %g: the cosine is %.2f %% off\n", roughness, kappa, 100.0 * off / total);
+      std::printf("roughness %.2f, kappa %g: error of the cosine %.2f %%\n", roughness, kappa, 100.0 * off / total);
       worst = std::max(worst, 100.0 * off / total);
     }
   EXPECT_LT(worst, 6.5);
-  EXPECT_GT(worst, 5.5) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 5.5) << "the documented bound is too wide";
 }
 
 // Returns tangents of n (Duff et al. 2017).
@@ -284,14 +284,14 @@ TEST_F(GgxLobeTest, TheHighlightWithVisibilityIsNear) {
         off += std::abs(shader.specular(l, v, h) - exact);
         total += exact;
       }
-      std::printf("roughness %.2f, kappa %g: the highlight is %.1f %% off\n", roughness, kappa, 100.0 * off / total);
+      std::printf("roughness %.2f, kappa %g: error of the highlight %.1f %%\n", roughness, kappa, 100.0 * off / total);
       double& bound = kappa >= 40.0 ? worst_of_narrow : worst;
       bound = std::max(bound, 100.0 * off / total);
     }
   EXPECT_LT(worst, 18.5);
-  EXPECT_GT(worst, 17.0) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 17.0) << "the documented bound is too wide";
   EXPECT_LT(worst_of_narrow, 8.0);
-  EXPECT_GT(worst_of_narrow, 7.0) << "the bound that documents state is too wide";
+  EXPECT_GT(worst_of_narrow, 7.0) << "the documented bound is too wide";
 }
 
 TEST_F(GgxLobeTest, HardCasesAreFinite) {

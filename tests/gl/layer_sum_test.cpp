@@ -83,7 +83,8 @@ TEST_P(LayerSumTest, EqualsTheDecoderAndItsMipLevels) {
         }
     }
     if (at > 1000) {
-      EXPECT_LT(std::abs(bias) / static_cast<double>(3 * at), 1e-4) << "rounded to the nearest, not cut off";
+      EXPECT_LT(std::abs(bias) / static_cast<double>(3 * at), 1e-4)
+          << "values must be rounded to nearest, not truncated";
     }
   }
 }

@@ -321,7 +321,7 @@ TEST_P(RenderTest, WrapModesEqualReference) {
       EXPECT_EQ(baseline(map, scene, which).rgba[beyond], 0.0f);
   }
   for (std::size_t i = 1; i < exact.size(); ++i)
-    EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must be told apart";
+    EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must give different pictures";
 }
 
 // Diffuse light on mild slopes is linear in the mean normal. Hence a lobe that the hardware mixed from two levels
@@ -549,7 +549,7 @@ TEST(Material, RefusesLevelsThatDoNotFit) {
   broken.levels[1].lobes[0].pop_back();
   try {
     const MovmfMaterial material(context->functions(), broken, 1.0f);
-    FAIL() << "a level with a missing texel was taken";
+    FAIL() << "a level with a missing texel was accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInput);
     EXPECT_STREQ(error.what(), "level 1 of the baked map is not 4 x 4 texels of 1 lobes");

@@ -240,7 +240,7 @@ TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
       EXPECT_NEAR(4.0 * found.square, own.square, 4e-6);
     }
   }
-  EXPECT_GE(shared, texels.size() / 8) << "else the test tries one normal a lobe alone";
+  EXPECT_GE(shared, texels.size() / 8) << "otherwise the test tries only one normal per lobe";
 }
 
 TEST_P(MovmfChooseTest, LeavesOtherTexelsAlone) {

@@ -128,7 +128,7 @@ TEST_P(TextureInferenceTest, FindsWhatEigenFinds) {
   const InferenceResult result = inference.solve(problem.colours, {});
   for (std::size_t colour = 0; colour < 3; ++colour) {
     const Eigen::VectorXd expected = direct_solution(problem.of_colour(colour, c.pyramid_weight, 0.0));
-    ASSERT_GT(expected.minCoeff(), 0.0) << "the case is meant to end inside its bounds";
+    ASSERT_GT(expected.minCoeff(), 0.0) << "the solution must be inside the bounds";
     ASSERT_LT(expected.maxCoeff(), 1.0);
     const std::vector<double> found = colour_of(result.texels, colour);
     double worst = 0.0;
@@ -167,7 +167,7 @@ TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
       }
     }
   }
-  EXPECT_GT(at_bounds[0], 0u) << "the case is meant to meet its bounds";
+  EXPECT_GT(at_bounds[0], 0u) << "the solution must reach the bounds";
   EXPECT_LT(at_bounds[1], at_bounds[0]);
 }
 

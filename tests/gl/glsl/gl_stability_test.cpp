@@ -140,7 +140,7 @@ TEST(GlslCases, EveryFormulaHasOne) {
     if (seen != kByPictures.end()) {
       const bool is_test = pictures.find("TEST_P(" + seen->second + ")") != std::string::npos ||
                            pictures.find("TEST_F(" + seen->second + ")") != std::string::npos;
-      EXPECT_TRUE(is_test) << seen->second << " is no test";
+      EXPECT_TRUE(is_test) << seen->second << ": unknown test";
       continue;
     }
     EXPECT_TRUE(std::any_of(glsl_cases().begin(), glsl_cases().end(), [&](const GlslCase& c) { return is_of(c, f); }))

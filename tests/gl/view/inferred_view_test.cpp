@@ -195,7 +195,7 @@ TEST_F(InferredViewTest, WhatTheBoardHidesHasNoRows) {
     shared += waves[i] > 0.0f && board[i] > 0.0f;
     uncovered += board[i] == 1.0f && board_then[i] == 0.0f;
   }
-  EXPECT_GT(hidden, 50) << "pixels of the board, behind which waves are seen when it has moved";
+  EXPECT_GT(hidden, 50) << "pixels of the board that show waves after the board has moved";
   EXPECT_GT(shared, 10) << "pixels of both";
   EXPECT_GT(uncovered, 50);
   EXPECT_NE(matrix("still", "waves").provenance.view_matrix, matrix("moved", "waves").provenance.view_matrix);

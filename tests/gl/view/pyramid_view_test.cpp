@@ -140,7 +140,8 @@ TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
   EXPECT_LT(worst_driver, 0.1);
   RecordProperty("ours_against_double", std::to_string(worst_ours));
   RecordProperty("driver_against_ours", std::to_string(worst_driver));
-  std::printf("levels: ours %.4f off double, the driver %.4f off ours, at most\n", worst_ours, worst_driver);
+  std::printf("largest differences in levels: ours and double %.4f, the driver and ours %.4f\n", worst_ours,
+              worst_driver);
 }
 
 // textureLod at our level equals the reference's trilinear filter, across borders of both kinds.
@@ -295,8 +296,8 @@ TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   EXPECT_NEAR(level(200.0, 1.0), 1.0, 0.03);
   EXPECT_NEAR(level(300.0, 1.0), std::log2(3.0), 0.03);
   EXPECT_NEAR(level(100.0, 8.0), 3.0, 0.03);
-  EXPECT_EQ(level(10.0, 1.0), 0.0) << "no finer level than the finest";
-  EXPECT_EQ(level(1e9, 1.0), 6.0) << "nor a coarser one than the coarsest";
+  EXPECT_EQ(level(10.0, 1.0), 0.0) << "the level is at least the finest one";
+  EXPECT_EQ(level(1e9, 1.0), 6.0) << "the level is at most the coarsest one";
   EXPECT_NEAR(level_of_projection(flat, {{200.0, 0.0, 0.0}, 64.0 * 100.0}, 1.0), 1.0, 0.03) << "seen edge-on";
 }
 

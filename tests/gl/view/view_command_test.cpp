@@ -218,7 +218,7 @@ TEST_F(ViewCommandTest, APlanIsDrawnAsItsOptionsAre) {
   EXPECT_EQ(drawn("a.exr", {"scene", path("plan.json"), "--object", "wall", "-o", picture}), expected);
   EXPECT_EQ(drawn("a.exr", {"scene", path("plan.json"), "--object=floor", "--light", "0.3,0.8,0.5,2", "-o", picture}),
             expected)
-      << "options replace what the plan says";
+      << "options replace the plan's values";
   EXPECT_NE(drawn("a.exr", {"scene", path("plan.json"), "--object=floor", "-o", picture}), expected);
 }
 

@@ -472,7 +472,7 @@ TEST_F(FirstLevelViewTest, FromAfarPicturesAreThoseOfAFileThatHoldsEveryLevel) {
   const std::vector<std::string> far = {"--camera", "0,30,60,0,30,0,40", "--repeat", "10"};  // 3.6 texels a pixel
   write_from(0);
   const double whole = error(far);
-  EXPECT_GT(whole, 0.01) << "a map that averages are wrong for, or there is nothing to compare";
+  EXPECT_GT(whole, 0.01) << "averages must have errors on this map, or the test compares nothing";
   for (const int first_level : {1, 2}) {
     write_from(first_level);
     EXPECT_NEAR(error(far), whole, 0.1 * whole) << first_level;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lobes as GPU textures (`multum export FILE.ndf.exr --lobes`): a KTX2 file of one 2D array texture with one or two
-// layers per lobe. For each lobe, an affine map turns the layers' values into (a r, a) (docs/reference/lobe_textures.md,
-// "Lobes for GPUs"). Because the map is affine, filters may mix stored texels.
+// layers per lobe. For each lobe, an affine map turns the layers' values into (a r, a)
+// (docs/reference/lobe_textures.md, "Lobes for GPUs"). Because the map is affine, filters may mix stored texels.
 #pragma once
 
 #include <array>
