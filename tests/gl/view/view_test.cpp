@@ -469,7 +469,7 @@ class FirstLevelViewTest : public ViewTest {
 };
 
 TEST_F(FirstLevelViewTest, FromAfarPicturesAreThoseOfAFileThatHoldsEveryLevel) {
-  const std::vector<std::string> far = {"--camera", "0,30,60,0,30,0,40", "--repeat", "10"};  // 3.6 texels a pixel
+  const std::vector<std::string> far = {"--camera", "0,30,60,0,30,0,40", "--repeat", "10"};  // 3.6 texels per pixel
   write_from(0);
   const double whole = error(far);
   EXPECT_GT(whole, 0.01) << "averages must have errors on this map, or the test compares nothing";
