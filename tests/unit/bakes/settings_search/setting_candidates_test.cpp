@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everybody who tries settings takes its part of one list: each part, in its order.
+// Tests that every search for settings uses its part of one list, in the list's order.
 #include "host/bakes/settings_search/setting_candidates.h"
 
 #include <gtest/gtest.h>

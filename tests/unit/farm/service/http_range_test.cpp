@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Byte ranges as RFC 9110, section 14, has them.
+// Tests byte ranges as in RFC 9110, section 14.
 #include "host/farm/service/http/http_range.h"
 
 #include <fcntl.h>
@@ -78,7 +78,8 @@ TEST(HttpRangeTest, AFileIsSentInParts) {
   const HttpResponse beyond = answer({"bytes=10-", ""});
   EXPECT_EQ(beyond.status, 416);
   EXPECT_EQ(header_of(beyond, "Content-Range"), "bytes */10");
-  // All of it: another state of the file, a time, a weak tag, several parts, and a question after the header alone.
+  // The whole file is sent for another state of the file, a time, a weak tag, several parts, and a request for the
+  // header only.
   for (const RangeRequest& other : std::vector<RangeRequest>{{"bytes=3-5", "\"other\""},
                                                              {"bytes=3-5", "Fri, 27 Nov 2026 10:00:00 GMT"},
                                                              {"bytes=3-5", "W/" + etag},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The web interface and the ledger keep their words, whatever the table of a job's fields is made of.
+// Tests that the names of fields in the web interface and the ledger stay stable, whatever the table of a job's fields
+// holds.
 #include "host/farm/service/ledger/job_fields.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +60,7 @@ Job full_job() {
   return job;
 }
 
-// There may be more of it.
+// The job may have more fields than `expected`.
 void expect_told(const Job& job, const char* expected) {
   const Json told = Json::parse(job_text(job));
   Json known = Json::parse(expected);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of jobs by itself: who comes first, who may say what of a job, what comes of failures, and what a process
-// that dies leaves behind.
+// Tests the ledger of jobs without a daemon: the order of jobs, who may report on a job, the results of failures, and
+// the state that a killed process leaves.
 #include "host/farm/service/ledger/job_queue.h"
 
 #include <gtest/gtest.h>
@@ -212,7 +212,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   testing::expect_says(queue_->find(after)->message, {"job 3", "dead"});
   expect_error(ErrorCode::kUsage, {"job 2", "dead"}, [&] { submit(of(0, {a, b})); });
   expect_error(ErrorCode::kUsage, {"job 99", "exist"}, [&] { submit(of(0, {99})); });
-  // Those that died because of it come back with it, and wait.
+  // Jobs that died because of this job return with it and wait.
   EXPECT_TRUE(retry(b));
   EXPECT_EQ(state(both), JobState::kWaiting);
   EXPECT_EQ(state(after), JobState::kWaiting);
@@ -221,7 +221,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   EXPECT_EQ(state(after), JobState::kWaiting);
 }
 
-// None may wait for a job that nobody tries again.
+// No job may wait for a job that is never retried.
 TEST_F(JobQueueTest, ARetryReachesTheRoots) {
   const std::int64_t root = submit(of(0)), other = submit(of(0)), middle = submit(of(0, {root})),
                      leaf = submit(of(0, {middle})), both = submit(of(0, {root, other}));
@@ -280,7 +280,8 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
 }
 
-// Asked for between an attempt's end and the news of it, or before a daemon's sudden end: the job runs no more.
+// The cancel request comes between an attempt's end and its report, or before the daemon is killed: the job does not
+// run again.
 TEST_F(JobQueueTest, ACancelOutlivesTheAttemptThatItWasMeantFor) {
   const std::int64_t id = submit(of(0)), dependent = submit(of(0, {id}));
   const Job failing = *claim();
@@ -348,7 +349,7 @@ TEST_F(JobQueueTest, AResultOfOtherInputsIsNotTakenForItsKey) {
   EXPECT_NE(submit(submission), id);
 }
 
-// The clock of a machine may be set back by any amount, by hand or by its radio clock.
+// A machine's clock may be set back by any amount, by hand or by its radio clock.
 TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
   submit(of(0));
   fail(*claim());
@@ -367,7 +368,7 @@ TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
 }
 
 TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
-  SqliteTransaction transaction(queue_->database());  // or each would wait for the disk
+  SqliteTransaction transaction(queue_->database());  // otherwise each job would wait for the disk
   Ids chain = {submit(of(0))};
   for (int i = 0; i < 20000; ++i) chain.push_back(submit(of(0, {chain.back()})));
   fail(*claim(), AttemptOutcome::kRefused);
@@ -402,9 +403,9 @@ TEST_F(JobQueueTest, ListsAreOfTheirFilter) {
         }
 }
 
-// A page asks for the dead ones each second.
+// A page asks for the dead jobs every second.
 TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
-  SqliteTransaction transaction(queue_->database());  // or each would wait for the disk
+  SqliteTransaction transaction(queue_->database());  // otherwise each job would wait for the disk
   for (int i = 0; i < 5000; ++i) submit(of(i == 0 ? 1 : 0));
   fail(*claim(), AttemptOutcome::kRefused);
   const auto seconds = [&](const JobFilter& filter, std::size_t expected) {
@@ -421,7 +422,7 @@ TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
   EXPECT_LT(seconds({JobState::kDead, "default", std::nullopt, 50}, 1), 3.0 * newest);
 }
 
-// As version 3 left it.
+// Changes a ledger to the state that version 3 left.
 const char* const kBackToVersion3 =
     "DROP TABLE slurm_parts; DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; ALTER TABLE needs RENAME TO "
     "n; DROP INDEX needs_of; "
@@ -447,7 +448,7 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
   EXPECT_EQ(state(after), JobState::kQueued);
 }
 
-// Its column is there from the next start on.
+// The next start adds the column.
 TEST_F(JobQueueTest, ALedgerFromBeforeAFieldGetsIt) {
   const std::int64_t id = submit(of(3));
   queue_->database().execute("ALTER TABLE jobs DROP COLUMN stop_asked; ALTER TABLE jobs DROP COLUMN reused_from;");
@@ -460,7 +461,7 @@ TEST_F(JobQueueTest, ALedgerFromBeforeAFieldGetsIt) {
   EXPECT_EQ(queue_->find(id)->stop_asked, "enough");
 }
 
-// Version 3 could leave a job waiting for a dead one.
+// Version 3 could leave a job that waits for a dead one.
 TEST_F(JobQueueTest, WhoWaitsForeverInAnEarlierLedgerDies) {
   const std::int64_t dead = submit(of(0)), waiting = submit(of(0, {dead})), last = submit(of(0, {waiting})),
                      met = submit(of(0)), ready = submit(of(0, {met}));
@@ -532,7 +533,7 @@ TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
   EXPECT_FALSE(queue_->was_purged(77)) << "it never was there";
 }
 
-// The oldest of those that may not go yet must not keep the others.
+// The oldest job that must stay must not keep other jobs from being purged.
 TEST_F(JobQueueTest, WhatIsNeededStillKeepsNothingElseFromBeingPurged) {
   const std::int64_t needed = submit(of(0)), needing = submit(of(-1, {needed}));
   succeed(*claim());
@@ -558,7 +559,7 @@ TEST_F(JobQueueTest, NumbersGoOnAboveWhatOthersHaveUsed) {
   EXPECT_FALSE(queue_->was_purged(300));
 }
 
-// Asked for again while its worker is being stopped: that job is about to be cancelled.
+// The job is submitted again while its worker is being stopped: the running job is about to be cancelled.
 TEST_F(JobQueueTest, AJobThatIsBeingCancelledIsNotTakenForANewOne) {
   JobSubmission submission = of(0);
   submission.key = "k";
@@ -608,7 +609,7 @@ TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
   expect_error(ErrorCode::kInput, {folder_ / "other.sqlite", "no ledger"}, [&] { JobQueue{settings("other.sqlite")}; });
 }
 
-// Random commands; after each, what must hold holds, and what is kept beside the database is what is in it.
+// Runs random commands. After each, the invariants hold, and the state in memory equals the database.
 TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
   const unsigned seed = 20261122;
   SCOPED_TRACE(seed);
@@ -640,7 +641,7 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
         if (!leases.empty()) {
           const std::size_t at = random() % leases.size();
           const Job job = leases[at];
-          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // the others speak twice
+          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // else it ends twice
           const AttemptResult result = {static_cast<AttemptOutcome>(1 + pick(6)), pick(5), ""};
           const bool is_taken = queue_->ended(job.id, job.owner, job.attempt, result, now_);
           if (is_taken && result.outcome == AttemptOutcome::kSucceeded) {

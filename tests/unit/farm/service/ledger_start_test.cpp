@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which ledger a daemon goes on with: a folder that was used before has its own or none.
+// Tests which ledger a daemon continues with: a used folder has its own ledger or none.
 #include "host/farm/service/ledger/ledger_start.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using testing::TemporaryFolder;
 
 class LedgerStartTest : public ::testing::Test {
  protected:
-  // A daemon's start, and a job; returns its number.
+  // Starts a daemon, adds a job and returns its number.
   std::int64_t start(bool begins_anew = false) {
     const LedgerSettings settings = find_ledger(folder_.path(), {}, begins_anew);
     const DataFolder folders(folder_.path(), 0);  // makes logs, uploads and results
@@ -45,7 +45,7 @@ TEST_F(LedgerStartTest, GoesOnWithItsOwn) {
   EXPECT_EQ(testing::read_bytes(folder_ / "instance"), first + "\n");
   EXPECT_EQ(start(), 2);
   EXPECT_EQ(instance_, first);
-  // A start that was cut off, or a file that was deleted: the ledger knows.
+  // The start was interrupted, or the file was deleted: the ledger still knows its instance.
   fs::remove(folder_ / "instance");
   EXPECT_EQ(start(), 3);
   EXPECT_EQ(instance_, first);
@@ -107,7 +107,7 @@ TEST_F(LedgerStartTest, AnOldCopyGivesNoNumberTwice) {
   EXPECT_EQ(start(), 769);
 }
 
-// Or a new job would show an old one's log.
+// Otherwise a new job would show an old job's log.
 TEST_F(LedgerStartTest, NumbersGoOnAboveAllThatLiesThere) {
   start();
   const std::string before = instance_;

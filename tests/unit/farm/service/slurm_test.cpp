@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is sent to Slurm in which batches, what is read of Slurm's lists, and what the ledger keeps of it. A real Slurm
-// is in tests/service/slurm_test.py.
+// Tests the batches sent to Slurm, the parsing of Slurm's lists, and what the ledger keeps of both.
+// tests/service/slurm_test.py runs a real Slurm.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -22,7 +22,7 @@ using Chunks = std::vector<std::vector<std::size_t>>;
 TEST(SlurmChunks, SmallJobsShareTasksAndOthersHaveTheirOwn) {
   EXPECT_EQ(make_chunks({}, 30.0), Chunks{});
   EXPECT_EQ(make_chunks({10.0, 10.0, 10.0, 10.0}, 30.0), (Chunks{{0, 1, 2}, {3}}));
-  // One that is not known, and a large one, do not end the chunk that is open.
+  // A job of unknown length, and a long job, do not end the open chunk.
   EXPECT_EQ(make_chunks({10.0, -1.0, 40.0, 10.0}, 30.0), (Chunks{{0, 3}, {1}, {2}}));
   EXPECT_EQ(make_chunks({0.0, 0.0}, 0.0), (Chunks{{0}, {1}}));
   const Chunks many = make_chunks(std::vector<double>(kChunkJobsMax + 1, 0.0), 30.0);
@@ -308,7 +308,7 @@ TEST_F(SlurmLedgerTest, WhatSlurmHasOutlivesTheDaemon) {
   ASSERT_EQ(queue_->slurm().sent().size(), 1u);
   EXPECT_EQ(queue_->slurm().sent()[0].slurm_job, 12);
   EXPECT_EQ(queue_->slurm().last_batch(), 40);
-  // Its end counts as that of any attempt.
+  // The end of a Slurm attempt counts like that of any attempt.
   EXPECT_TRUE(queue_->ended(sent.id, owner_, sent.attempt, {}, 4));
   EXPECT_EQ(queue_->find(sent.id)->state, JobState::kSucceeded);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A disk that takes no more refuses an upload, and nothing of it stays.
+// Tests that a full disk refuses an upload and keeps none of it.
 #include "host/farm/service/files/upload_file.h"
 
 #include <gtest/gtest.h>

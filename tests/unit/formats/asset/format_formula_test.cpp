@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formulas of docs/reference/file_format.md, with the numbers that stand on the page.
+// Tests the formulas of docs/reference/file_format.md with the numbers on that page.
 #include <gtest/gtest.h>
 
 #include <cmath>
