@@ -79,7 +79,7 @@ TEST(ParameterPyramid, RefusesWhatIsNoPyramid) {
   EXPECT_TRUE(refused({}, {{}}));
   EXPECT_TRUE(refused({8}, {}));
   EXPECT_TRUE(refused({0}, {{0}}));
-  EXPECT_TRUE(refused({8}, {{3}, {1}}));       // the levels do not reach the samples
+  EXPECT_TRUE(refused({8}, {{3}, {1}}));       // the levels end before the samples
   EXPECT_TRUE(refused({8}, {{1}, {1}, {0}}));  // a level twice
   EXPECT_TRUE(refused({8, 8}, {{1, 0}, {0, 1}, {0, 0}}));
   EXPECT_TRUE(refused({8, 8}, {{1}, {0}}));

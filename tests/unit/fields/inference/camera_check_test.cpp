@@ -14,7 +14,7 @@
 namespace multum::testing {
 namespace {
 
-// 40 x 20 pixels; the picture extends 1/16 to each side at a distance of 2 from a triangle that fills it. The
+// 40 x 20 pixels; the picture extends 1/8 to each side at a distance of 2 from a triangle that fills it. The
 // projection is skewed, so that every entry matters.
 struct CheckScene {
   AnimationJob job;
@@ -114,7 +114,7 @@ TEST(CameraCheck, WhatIsNoDepthIsLeftOut) {
     EXPECT_EQ(check.off, 0) << value;
     EXPECT_EQ(check.nan_depths, 1) << value;
   }
-  scene.depth.assign(800, 9.5f);  // nearer than the far plane, hence tested, and wrong
+  scene.depth.assign(800, 9.5f);  // in front of the far plane, hence tested, and wrong
   scene.expect_refused({"100 % of 512"});
   std::vector<float> coverage(800, 0.5f);
   coverage[3] = 1.0f;

@@ -112,7 +112,7 @@ TEST(InferredTextureTest, OtherFloatsAreRoundedToHalfsAndStayFinite) {
   EXPECT_EQ(found.provenance, "");
 }
 
-// ---- Files that are none of ours
+// ---- Foreign files
 
 struct Foreign {
   Imf::LevelMode mode = Imf::MIPMAP_LEVELS;

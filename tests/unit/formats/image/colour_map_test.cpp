@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Albedos come out linear: integers through sRGB or what the file says, floats as they are.
+// Tests that albedos are linear: integers pass through sRGB or the file's own encoding, floats stay unchanged.
 #include "host/formats/image/colour_map.h"
 
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders of compiled kernels that cannot be written are replaced by a private one. That it goes with the program:
-// tests/cli/limits_test.cpp.
+// Tests that a private folder replaces unwritable folders of compiled kernels. tests/cli/limits_test.cpp tests that the
+// program removes it.
 #include "host/formats/opencl/kernel_caches.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using testing::TemporaryFolder;
 
-/// Variables as they were before, when this goes.
+/// Restores the environment variables at its end.
 class KernelCachesTest : public ::testing::Test {
  protected:
   ~KernelCachesTest() override {
@@ -31,7 +31,7 @@ class KernelCachesTest : public ::testing::Test {
     set_kernel_caches(folders);
     ::testing::internal::CaptureStderr();
     prepare_kernel_caches();
-    prepare_kernel_caches();  // says nothing more
+    prepare_kernel_caches();  // prints nothing more
     return ::testing::internal::GetCapturedStderr();
   }
 
@@ -57,7 +57,7 @@ TEST_F(KernelCachesTest, FoldersThatCanBeWrittenAreTaken) {
   EXPECT_EQ(pocl_cache_failure(), "");
 }
 
-// Below a file no folder can be made, not even by root.
+// Nobody can make a folder below a file, not even root.
 TEST_F(KernelCachesTest, APrivateFolderReplacesOneThatCannotBeWritten) {
   const TemporaryFolder folder;
   testing::write_bytes(folder / "file", "no folder");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON of strangers: NUL in its texts, and numbers that are none of the integers that are expected. JSON for others:
-// texts that are not UTF-8.
+// Tests JSON from strangers: NUL in texts, and numbers outside the expected integers. Also tests JSON for others: texts
+// that are not UTF-8.
 #include "host/foundation/base/files/json_file.h"
 
 #include <gtest/gtest.h>

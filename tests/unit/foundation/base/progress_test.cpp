@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress counts what it was told, and stops at the next report after it was asked to.
+// Tests that progress counts the reported units, and stops at the next report after a request to stop.
 #include "host/foundation/base/progress.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(ProgressTest, ABarThatIsNoTerminalPrintsNothing) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-// In a process of its own: the request to stop is kept for good.
+// Runs in a separate process, because a request to stop cannot be withdrawn.
 TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
   for (const int signal : {SIGINT, SIGTERM}) {
     EXPECT_EXIT(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages out of templates and data: text of strangers stays data, and becomes text.
+// Tests pages made from templates and data: text from strangers stays data and is shown as text.
 #include "host/foundation/html/html_page.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image files decoded in a child: the same numbers and the same refusals as in this process, and whatever ends the
-// child is a refusal that names the file.
+// Tests image files decoded in a child: numbers and refusals equal those of this process. Whatever ends the child
+// becomes a refusal that names the file.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -68,7 +68,7 @@ std::string refusal_of(const std::string& path) {
   }
 }
 
-/// The child of this process that decodes: the only one it has.
+/// Returns the id of the decoding child, the only child of this process.
 pid_t decoder_pid() {
   std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
   pid_t pid = 0;
@@ -124,7 +124,7 @@ TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
   }
 }
 
-// Cut, flipped, with absurd numbers: each ends in a picture or a refusal, and the next file is read.
+// Truncated files, flipped bits, absurd numbers: each ends in a picture or a refusal, and the next file is read.
 TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   std::mt19937 random(20260101);
   const TestImage image = normal_image(40, 30);
@@ -148,7 +148,7 @@ TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   EXPECT_GT(refused, 10);
 }
 
-// The system kills where memory runs out: the same file is worth another try, elsewhere.
+// The system kills processes if memory runs out: the same file may succeed on another machine.
 TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
@@ -191,7 +191,7 @@ TEST_F(ImageDecodingTest, NoDecoderIsAnErrorOfTheMachine) {
                [&] { read_picture(write("a.png", normal_image(8, 8))); });
 }
 
-// Answers that no decoder of ours gives.
+// Answers that none of our decoders gives.
 TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
   ImagePart part;
   part.width = part.height = part.full_width = part.full_height = 8;
