@@ -81,7 +81,7 @@ TEST(AccuracyPointsTest, CellsCoverEveryLevel) {
           EXPECT_EQ(counts[l], texel_count) << where;
         } else {
           EXPECT_LT(counts[l], texel_count) << where;
-          EXPECT_GE(counts[l], 2) << where << ": one sample has no spread";
+          EXPECT_GE(counts[l], 2) << where << ": a single sample has no spread";
         }
       }
     }

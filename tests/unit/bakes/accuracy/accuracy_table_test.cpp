@@ -46,7 +46,7 @@ TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
   ASSERT_TRUE(parsed.has_value());
   EXPECT_EQ(measured_error_json(parsed->rows), json);
   EXPECT_EQ(accuracy_table(parsed->rows), accuracy_table(some_rows()));
-  EXPECT_TRUE(parsed->footprint_errors.empty()) << "as of files of earlier programs";
+  EXPECT_TRUE(parsed->footprint_errors.empty()) << "files of earlier programs have no such errors";
   EXPECT_TRUE(parse_measured_error("[]")->rows.empty());
 }
 
@@ -104,7 +104,7 @@ TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
   for (const char* part : {"measured error of toksvig, relative", "12.50", "measured error of toksvig with colours, ",
                            "25.00", "measured error of lean, relative", "50.00"}) {
     const std::size_t found = text.find(part, at);
-    ASSERT_NE(found, std::string::npos) << part << " is not in its place in\n" << text;
+    ASSERT_NE(found, std::string::npos) << part << " is missing or out of order in\n" << text;
     at = found;
   }
 }
@@ -159,7 +159,7 @@ TEST(AccuracyTable, IntervalsAreRoundedUp) {
             "[2,\"centre\",\"lambert\",0.1,0.001201],[3,\"centre\",\"lambert\",0.1,0]]");
   const std::string table = accuracy_table(rows);
   for (const char* part : {" 0.00 +- 0.01 | -", "10.00 +- 0.12 | -", "10.00 +- 0.13 | -", " 10.00 | -"})
-    EXPECT_NE(table.find(part), std::string::npos) << part << " is missing in\n" << table;
+    EXPECT_NE(table.find(part), std::string::npos) << part << " is missing from\n" << table;
   EXPECT_EQ(table, accuracy_table(parse_measured_error(measured_error_json(rows))->rows));
 }
 

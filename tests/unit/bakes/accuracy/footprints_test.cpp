@@ -66,7 +66,7 @@ TEST(Footprints, AreSpreadEvenly) {
     for (const int column : columns) EXPECT_NEAR(column, kCount / 3.0, 4.0);
     EXPECT_NEAR(turned, 2.0 / M_PI, 0.25);  // the mean sine of evenly spread directions
   }
-  EXPECT_EQ(choose_footprints(1, 1, {5}).size(), 5u) << "of one octave, of a map of one texel too";
+  EXPECT_EQ(choose_footprints(1, 1, {5}).size(), 5u) << "one octave suffices, even for a map of one texel";
   EXPECT_TRUE(choose_footprints(16, 16, {0}).empty());
 }
 

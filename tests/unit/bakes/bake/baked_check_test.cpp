@@ -41,7 +41,8 @@ TEST(BakedCheck, ErrorsOfPixelsAreHeldToo) {
 TEST(BakedCheck, RoundingIsNoFinding) {
   const std::vector<AccuracyRow> stated = {row(0, 0.0), row(1, 0.5)};
   EXPECT_EQ(worse_rows(stated, stated), "");
-  EXPECT_EQ(worse_rows({row(0, 0.00009), row(1, 0.505)}, stated), "") << "0.01 points, and 1 % of the error";
+  EXPECT_EQ(worse_rows({row(0, 0.00009), row(1, 0.505)}, stated), "")
+      << "0.01 percentage points and 1 % of the error are allowed";
   EXPECT_EQ(worse_rows({row(0, 0.0), row(1, 0.1)}, stated), "") << "better is not worse";
   EXPECT_NE(worse_rows({row(0, 0.00011)}, stated), "");
   EXPECT_NE(worse_rows({row(1, 0.506)}, stated), "");

@@ -70,7 +70,7 @@ TEST_F(BakeManifestTest, MapsStandOnTheDefaults) {
   EXPECT_EQ(maps[0].error_max, 0.5);
   EXPECT_EQ(maps[0].job.threads, 7) << "the pattern's";
   EXPECT_EQ(maps[1].job.fitting.lobe_count, 2);
-  EXPECT_EQ(maps[1].job.reading.is_signed, false) << "unsigned goes before the defaults' signed";
+  EXPECT_EQ(maps[1].job.reading.is_signed, false) << "the map's 'unsigned' overrides 'signed' of the defaults";
   EXPECT_EQ(maps[1].job.albedo, "");
   EXPECT_EQ(maps[1].error_max, 0.25);
   EXPECT_EQ(read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n")[0].error_max, std::nullopt);
@@ -287,7 +287,7 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
   EXPECT_EQ(maps[1].job.fitting.lobe_count, 2);
   EXPECT_EQ(maps[1].job.reading.height_scale, 8.0f);
   EXPECT_EQ(maps[1].job.reading.wrap_t, WrapMode::kClamp);
-  EXPECT_FALSE(maps[1].job.reading.green) << "an example that is copied says nothing that may be wrong";
+  EXPECT_FALSE(maps[1].job.reading.green) << "a copied example must not set what may be wrong";
   EXPECT_EQ(maps[2].error_max, 0.95);
 }
 

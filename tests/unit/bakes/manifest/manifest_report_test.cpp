@@ -99,7 +99,7 @@ TEST(ManifestReport, XmlTakesAnyName) {
   EXPECT_EQ(name_in_xml("a\x01\x1f"
                         "b"),
             "a" + kLost + kLost + "b")
-      << "no characters of XML 1.0";
+      << "XML 1.0 has no such characters";
   for (const char* whole : {"\xC3\xA4", "\xE2\x82\xAC", "\xF0\x9F\xA7\xB1", "\xED\x9F\xBF", "\xF4\x8F\xBF\xBF"})
     EXPECT_EQ(name_in_xml(whole), whole);
   EXPECT_EQ(name_in_xml("x\xFFy"), "x\uefffy");
@@ -115,7 +115,7 @@ TEST(ManifestReport, MarkdownTakesAnyName) {
   const std::string summary = manifest_summary(outcome);
   EXPECT_TRUE(contains(summary, "\n| a\\|b\\`\\*c\\*\\_d\\_\\\\\\<e\\> \\[f\\] | stale |")) << summary;
   EXPECT_TRUE(contains(summary, ": x\\|y z\n")) << summary;
-  EXPECT_TRUE(contains(manifest_failures(outcome), ": x|y z\n")) << "one line a map";
+  EXPECT_TRUE(contains(manifest_failures(outcome), ": x|y z\n")) << "one line per map";
 }
 
 }  // namespace

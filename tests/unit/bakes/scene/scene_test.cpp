@@ -251,7 +251,8 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   EXPECT_GT(errors.sh_error(4, sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.lean_error(sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.gmm_error(1, sharp, ColourModel::kNone), 0.5);
-  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.35) << "facets at a slant are round there, tails end";
+  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.35)
+      << "planar Gaussians round slanted facets and cut off tails";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
   // Harmonics of order 20 follow s = 8; the remaining error is the estimate's vMF approximation of Blinn-Phong.
@@ -318,7 +319,7 @@ TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
   EXPECT_LT(errors.error(1, {own}, ColourModel::kNone), 1e-6);
   EXPECT_LT(errors.error(1, {ShadedBy{}}, ColourModel::kNone), 1e-3);
   LobeErrors plain(survey, {});
-  EXPECT_GT(plain.error(1, {ShadedBy{}}, ColourModel::kNone), 0.02) << "the length would dim it";
+  EXPECT_GT(plain.error(1, {ShadedBy{}}, ColourModel::kNone), 0.02) << "the normal's length would darken diffuse light";
 }
 
 // Returns the error of a bake of 4 lobes at texel centres, over all levels from the first.
@@ -380,11 +381,11 @@ TEST_F(SceneTest, LevelsAreThoseOfPixels) {
   object.distance_min = object.distance_max = 1.0;
   object.tilt_max = 0.0;
   EXPECT_EQ(seen_levels(camera, object, 1024, 11).first, 2)
-      << "a corner is sqrt(3) times nearer along the axis: log2(16 / sqrt(3)) - 1/4";
+      << "a corner's distance along the axis is 1 / sqrt(3): log2(16 / sqrt(3)) - 1/4";
   EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 4);
   object.distance_max = 8.0;
   object.tilt_max = 60.0;
-  EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 7) << "taps lie along the longer side: log2(128) - 1/4";
+  EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 7) << "taps are spread along the longer side: log2(128) - 1/4";
   object.distance_min = 1e-3;
   object.distance_max = 1e9;
   const SeenLevels all = seen_levels(camera, object, 1024, 11);
@@ -517,7 +518,8 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     const std::string in_all = text.substr(text.rfind("in all: "));
     for (const std::string& part : {text, in_all})
       expect_says(part, {"and the trials (up to 24 a map, seconds in all)"});
-    EXPECT_GE(map.stated_difference, std::stod(target)) << "what is chosen need be no nearer than the target";
+    EXPECT_GE(map.stated_difference, std::stod(target))
+        << "the chosen settings need not have a lower error than the target";
   }
 }
 

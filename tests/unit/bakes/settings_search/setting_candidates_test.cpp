@@ -219,7 +219,8 @@ TEST(SettingCandidates, OfAPlanAreThese) {
               std::vector<std::string>{"--ndf moments"});
     EXPECT_EQ(options_of(setting_candidates(user, Representation::kSh)),
               (std::vector<std::string>{"--ndf sh --sh-order 2", "--ndf sh --sh-order 4"}));
-    EXPECT_EQ(setting_candidates(user).size(), static_cast<std::size_t>(2 * most + 3)) << "and no others";
+    EXPECT_EQ(setting_candidates(user).size(), static_cast<std::size_t>(2 * most + 3))
+        << "there are no other candidates";
   }
 }
 

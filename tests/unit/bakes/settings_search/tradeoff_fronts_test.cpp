@@ -26,7 +26,8 @@ TEST(TradeoffFrontsTest, ElapsedTimeDecidesNothing) {
   mark_fronts(rows, {0.05, 0.05});
   EXPECT_TRUE(rows[0].on_time_front && rows[0].on_frame_front) << "the least work";
   EXPECT_TRUE(rows[1].on_time_front && rows[1].on_frame_front) << "the least error";
-  EXPECT_FALSE(rows[2].on_time_front || rows[2].on_frame_front) << "more error for as much work, though it was quick";
+  EXPECT_FALSE(rows[2].on_time_front || rows[2].on_frame_front)
+      << "more error for the same work, although it took less time";
 }
 
 TEST(TradeoffFrontsTest, ADevicesWorkCountsAsProcessorsWorkDoes) {

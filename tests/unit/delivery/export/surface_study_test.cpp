@@ -123,7 +123,8 @@ class FrameVideoTest : public ::testing::Test {
 };
 
 TEST_F(FrameVideoTest, IsAWebM) {
-  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg (Debian package ffmpeg)";
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "ffmpeg is not installed (Debian package ffmpeg)";
   const std::string bytes = encode_webm(frames(), std::filesystem::temp_directory_path().string());
   EXPECT_EQ(bytes.substr(0, 4), "\x1a\x45\xdf\xa3");
   EXPECT_NE(bytes.find("webm"), std::string::npos);

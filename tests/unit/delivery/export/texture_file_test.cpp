@@ -92,7 +92,7 @@ TEST(TextureFile, AFailedWriteEndsTheWorkAtOnce) {
       for (; written < 64; ++written) file->write_rows(0, 1, row.data());
       file->finish();
     });
-    EXPECT_LT(written, 64) << "only the end noticed it";
+    EXPECT_LT(written, 64) << "the failure was noticed only at the end";
   }
   EXPECT_EQ(folder.names(), testing::Names{});
 }

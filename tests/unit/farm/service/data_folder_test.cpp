@@ -102,7 +102,7 @@ TEST_F(DataFolderTest, IsHeldToItsLimit) {
   store(data, "a.png", std::string(600, 'a'));
   try {
     store(data, "b.png", std::string(401, 'b'));
-    FAIL() << "more than the limit is taken";
+    FAIL() << "an upload above the limit was accepted";
   } catch (const Refusal& refusal) {
     EXPECT_EQ(refusal.status, 507);
     testing::expect_says(refusal.message, {"600", "1000", "401"});
@@ -111,7 +111,7 @@ TEST_F(DataFolderTest, IsHeldToItsLimit) {
   // An upload that never arrives is not counted.
   data.begin_upload(400);
   const std::shared_ptr<UploadFile> coming = data.begin_upload(200);
-  EXPECT_THROW(data.begin_upload(201), Refusal) << "both together are too many";
+  EXPECT_THROW(data.begin_upload(201), Refusal) << "both uploads together exceed the limit";
   store(data, "c.png", std::string(200, 'c'));
   coming->write(std::string(200, 'd'));
   data.store("d.png", *coming);
@@ -208,7 +208,7 @@ TEST_F(DataFolderTest, OldUploadsThatWereNotedGo) {
   EXPECT_FALSE(fs::exists(unused));
   EXPECT_FALSE(fs::exists(fs::path(unused).parent_path()));
   EXPECT_TRUE(fs::exists(young));
-  EXPECT_TRUE(fs::exists(unknown)) << "the ledger does not know whose it is";
+  EXPECT_TRUE(fs::exists(unknown)) << "the ledger does not know the owner";
   purge(id);
   sweep(data);
   EXPECT_FALSE(fs::exists(used));

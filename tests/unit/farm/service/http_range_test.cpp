@@ -112,7 +112,7 @@ TEST(HttpRangeTest, AnArchiveIsTheSameFromAnywhere) {
   all.made = archive();
   const std::string whole = sent(all);
   EXPECT_EQ(whole.size(), all.made->bytes());
-  EXPECT_NE(whole.find("hdrcharset=BINARY"), std::string::npos) << "a name that is no UTF-8 is said to be none";
+  EXPECT_NE(whole.find("hdrcharset=BINARY"), std::string::npos) << "the header must say that the name is not UTF-8";
   for (const std::size_t first : {1u, 100u, 512u, 700u, 1500u, 2048u, 3000u}) {
     HttpResponse rest;
     rest.made = archive();

@@ -118,7 +118,7 @@ TEST(JobFields, AreRefusedAsEver) {
   EXPECT_EQ(taken.deadline, 3500);
   EXPECT_EQ(taken.label, "l");
   EXPECT_EQ(taken.needs, (std::vector<std::int64_t>{2, 1}));
-  EXPECT_EQ(taken.memory_bytes, std::int64_t{2048} << 20) << "of the type, where nothing is said";
+  EXPECT_EQ(taken.memory_bytes, std::int64_t{2048} << 20) << "the type's default, since the job sets none";
   EXPECT_EQ(taken.attempt_max, 5);
 }
 

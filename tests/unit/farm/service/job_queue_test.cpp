@@ -114,12 +114,12 @@ TEST_F(JobQueueTest, QueuesGoByTheirPriorityAndStopAtTheirLimits) {
   EXPECT_EQ(claim()->id, a);
   EXPECT_EQ(claim(), std::nullopt) << "one at a time";
   reopen();
-  EXPECT_EQ(claim(), std::nullopt) << "what runs is known after a restart";
+  EXPECT_EQ(claim(), std::nullopt) << "running jobs are known after a restart";
   succeed(*queue_->find(b));
   limits_.queues["night"].is_paused = true;
   EXPECT_EQ(claim(), std::nullopt);
   limits_.queues.erase("night");
-  EXPECT_EQ(claim(), std::nullopt) << "a queue that is not configured";
+  EXPECT_EQ(claim(), std::nullopt) << "the queue is not configured";
   limits_.queues["night"] = {};
   EXPECT_EQ(claim()->id, c);
 }
@@ -135,14 +135,15 @@ TEST_F(JobQueueTest, MemoryIsWaitedForAndDevicesArePassedBy) {
   limits_.device_jobs_max["gpu"] = 1;
   const std::int64_t first = sized(6, "gpu"), busy = sized(1, "gpu"), large = sized(5, ""), small = sized(1, "");
   EXPECT_EQ(claim()->id, first);
-  EXPECT_EQ(claim(), std::nullopt) << "the small one may not overtake the large one, which the device's may be";
+  EXPECT_EQ(claim(), std::nullopt)
+      << "the small job may overtake the job that waits for the device, but not the large job";
   succeed(*queue_->find(first));
   EXPECT_EQ(claim()->id, busy);
   EXPECT_EQ(claim()->id, large);
   EXPECT_EQ(claim()->id, small);
   for (const std::int64_t id : {busy, large, small}) succeed(*queue_->find(id));
   const std::int64_t huge = sized(100, "");
-  EXPECT_EQ(claim()->id, huge) << "alone, or it never would";
+  EXPECT_EQ(claim()->id, huge) << "it runs without other jobs, since it would never fit next to them";
 }
 
 TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
@@ -155,7 +156,7 @@ TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
   now_ = *queue_->find(id)->not_before;
   const Job second = *claim("a");
   EXPECT_EQ(second.attempt, 2);
-  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2")) << "the first attempt wakes up again";
+  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2")) << "the first attempt reports late";
   EXPECT_FALSE(fail(first));
   EXPECT_TRUE(queue_->begin_publishing(id, "a", 2, "1:2"));
   EXPECT_FALSE(queue_->begin_publishing(id, "a", 2, "1:2")) << "once";
@@ -185,7 +186,7 @@ TEST_F(JobQueueTest, FailuresBackOffAndThenDie) {
   EXPECT_EQ(state(id), JobState::kDead);
   EXPECT_EQ(queue_->next_due(), std::nullopt);
   EXPECT_TRUE(retry(id));
-  EXPECT_EQ(claim()->attempt, 4) << "attempts are numbered on, or an old worker could be taken for a new one";
+  EXPECT_EQ(claim()->attempt, 4) << "attempt numbers continue, so that an old worker cannot be mistaken for a new one";
 }
 
 TEST_F(JobQueueTest, WhatWasRefusedIsNotTriedAgainAndWhatWasHandedBackDoesNotCount) {
@@ -231,7 +232,7 @@ TEST_F(JobQueueTest, ARetryReachesTheRoots) {
   EXPECT_EQ(state(root), JobState::kQueued);
   EXPECT_EQ(state(middle), JobState::kWaiting);
   EXPECT_EQ(state(leaf), JobState::kWaiting);
-  EXPECT_EQ(state(both), JobState::kDead) << "it lacks the cancelled one too";
+  EXPECT_EQ(state(both), JobState::kDead) << "it needs the cancelled job too";
   EXPECT_EQ(queue_->retry(other, now_).queued, (Ids{other, both}));
   for (int i = 0; i < 5; ++i) succeed(*claim());
   EXPECT_EQ(queue_->counts()["default"][JobState::kSucceeded], 5);
@@ -315,7 +316,7 @@ TEST_F(JobQueueTest, DeadlinesPass) {
   EXPECT_EQ(overdue.running, Ids{running});
   fail(job, AttemptOutcome::kCancelled);
   EXPECT_TRUE(retry(running));
-  EXPECT_EQ(queue_->find(running)->deadline, std::nullopt) << "who asks for it again no longer means the deadline";
+  EXPECT_EQ(queue_->find(running)->deadline, std::nullopt) << "submitting the job again removes its deadline";
 }
 
 TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
@@ -329,7 +330,7 @@ TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
   EXPECT_EQ(queue_->succeeded_with_key("k").size(), 1u);
   const SubmitResult gone = queue_->submit(
       submission, [](const Job&) { return false; }, now_);
-  EXPECT_TRUE(gone.is_new) << "its result was deleted or changed since";
+  EXPECT_TRUE(gone.is_new) << "its result was deleted or changed";
   submission.output = "/b";
   EXPECT_NE(submit(submission), id);
   EXPECT_TRUE(queue_->succeeded_with_key("").empty());
@@ -358,7 +359,7 @@ TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
   EXPECT_EQ(job.id, running);
   now_ -= 900000;
   queue_->forgive_back_offs(now_);
-  EXPECT_EQ(claim("b")->attempt, 2) << "its back-off would have lasted for another fifteen minutes";
+  EXPECT_EQ(claim("b")->attempt, 2) << "its back-off would otherwise last fifteen more minutes";
   succeed(job);
   EXPECT_LT(*queue_->find(running)->finished, *queue_->find(running)->started);
   EXPECT_TRUE(queue_->purge_finished_before(now_, 10).empty());
@@ -440,7 +441,7 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
       "ALTER TABLE jobs DROP COLUMN inputs; ALTER TABLE jobs DROP COLUMN stop_asked; PRAGMA user_version = 1;");
   reopen();
   EXPECT_EQ(queue_->find(id)->priority, 3);
-  EXPECT_EQ(queue_->find(id)->key, "") << "nobody knows whether its inputs are what they were";
+  EXPECT_EQ(queue_->find(id)->key, "") << "nothing proves that its inputs are unchanged";
   EXPECT_EQ(queue_->find(after)->needs, Ids{id});
   const Job job = *claim();
   EXPECT_EQ(job.id, id);
@@ -496,12 +497,12 @@ TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {
 TEST_F(JobQueueTest, PurgesOnlyWhatNothingNeeds) {
   const std::int64_t a = submit(of(0)), b = submit(of(0, {a})), c = submit(of(-1));
   succeed(*claim());
-  EXPECT_EQ(queue_->purge({a, b, c, 99}), Ids{}) << "b needs it, and the others are not finished";
+  EXPECT_EQ(queue_->purge({a, b, c, 99}), Ids{}) << "b needs a, and the other jobs are not finished";
   succeed(*claim());
   EXPECT_EQ(queue_->purge_finished_before(now_, 10), Ids{}) << "not before";
   EXPECT_EQ(queue_->purge_finished_before(now_ + 1, 1), Ids{a});
-  EXPECT_EQ(queue_->find(b)->needs, Ids{a}) << "it is known what it needed";
-  EXPECT_GT(submit(of(0)), c) << "numbers are not used again";
+  EXPECT_EQ(queue_->find(b)->needs, Ids{a}) << "b still lists the job that it needed";
+  EXPECT_GT(submit(of(0)), c) << "numbers of purged jobs are not reused";
 }
 
 TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
@@ -525,12 +526,12 @@ TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
   ASSERT_EQ(noted.size(), 2u);
   EXPECT_EQ(noted[0].output, "/data/results/sub/a.exr");
   EXPECT_EQ(noted[0].identity, "7:8");
-  EXPECT_EQ(noted[1].output, "") << "results elsewhere are never removed";
+  EXPECT_EQ(noted[1].output, "") << "results outside the data folder are never removed";
   EXPECT_EQ(queue_->files().left_overs(inside, 10).size(), 1u);
   queue_->files().forget_left_over(inside);
   EXPECT_EQ(queue_->files().left_overs(0, 10).size(), 1u);
   EXPECT_TRUE(queue_->was_purged(inside));
-  EXPECT_FALSE(queue_->was_purged(77)) << "it never was there";
+  EXPECT_FALSE(queue_->was_purged(77)) << "this job never existed";
 }
 
 // The oldest job that must stay must not keep other jobs from being purged.
@@ -580,7 +581,7 @@ TEST_F(JobQueueTest, SmallJobsOfOtherQueuesDoNotStarveALargeOne) {
   limits_.memory_max = 10;
   const std::int64_t running = sized(4, "default"), large = sized(8, "night"), small = sized(4, "default");
   EXPECT_EQ(claim()->id, running);
-  EXPECT_EQ(claim(), std::nullopt) << "the large one comes first, and is waited for";
+  EXPECT_EQ(claim(), std::nullopt) << "the large job comes first, and the small one waits for it";
   succeed(*queue_->find(running));
   EXPECT_EQ(claim()->id, large);
   succeed(*queue_->find(large));
@@ -598,7 +599,7 @@ TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
   owned.instance = "0000bbbb";
   expect_error(ErrorCode::kEnvironment, {owned.path, "0000aaaa", "0000bbbb", "--new-ledger"}, [&] { JobQueue{owned}; });
   owned.may_begin = true;
-  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa") << "of a folder that has no name yet";
+  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa") << "the folder had no instance name yet";
   LedgerSettings empty = settings("empty.sqlite");
   empty.may_begin = false;
   expect_error(ErrorCode::kEnvironment, {empty.path, "empty"}, [&] { JobQueue{empty}; });

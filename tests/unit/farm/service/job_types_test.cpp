@@ -77,7 +77,8 @@ TEST(JobTypes, ViewsAreTold) {
     std::set<std::string> files, endings;
     for (const JobView& view : type.views) {
       EXPECT_TRUE(endings.insert(view.folder_ending).second) << type.name;
-      EXPECT_TRUE(view.kept_max == 0 || !view.folder_ending.empty()) << "others of the type would go with them";
+      EXPECT_TRUE(view.kept_max == 0 || !view.folder_ending.empty())
+          << "other views of the type would be removed with them";
       for (const std::string& file : view.files) {
         EXPECT_TRUE(files.insert(file).second) << type.name << " " << file;
         EXPECT_EQ(type.find_view(file), &view);

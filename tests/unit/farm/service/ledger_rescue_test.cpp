@@ -66,7 +66,7 @@ std::map<std::int64_t, Job> open_rescued(const std::string& data, int job_count 
   for (std::int64_t id = 1; id <= job_count; ++id)
     if (const std::optional<Job> job = queue.find(id)) jobs[id] = *job;
   const SqliteTransaction transaction(queue.database());  // otherwise each row would wait for the disk
-  EXPECT_GT(queue.submit({}, nullptr, 4).id, job_count) << "a number was used again";
+  EXPECT_GT(queue.submit({}, nullptr, 4).id, job_count) << "a job number was reused";
   queue.recover(5);
   for (const auto& [queue_name, states] : queue.counts()) EXPECT_FALSE(states.contains(JobState::kRunning));
   return jobs;
@@ -92,7 +92,7 @@ TEST(LedgerRescue, SavesAllOfAWholeOne) {
   const std::map<std::int64_t, Job> before = make_ledger(data);
   const std::string bytes = testing::read_bytes(data + "/jobs.sqlite");
   const RescueReport report = rescue_ledger(data);
-  EXPECT_EQ(testing::read_bytes(report.kept), bytes) << "the old one is kept as it was";
+  EXPECT_EQ(testing::read_bytes(report.kept), bytes) << "the damaged ledger is kept unchanged";
   for (const RescueReport::Table& table : report.tables) EXPECT_EQ(table.damaged, 0) << table.name;
   EXPECT_EQ(report.tables.front().saved, kJobs);
   const std::map<std::int64_t, Job> after = open_rescued(data);

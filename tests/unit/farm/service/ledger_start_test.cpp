@@ -61,7 +61,7 @@ TEST_F(LedgerStartTest, AMissingEmptyOrForeignLedgerIsRefused) {
   start();
   fs::rename(path(), folder_ / "kept");
   expect_error(ErrorCode::kEnvironment, {path(), "missing", "multum rescue", "--new-ledger"}, [&] { start(); });
-  EXPECT_FALSE(fs::exists(path())) << "and it is not begun by the way";
+  EXPECT_FALSE(fs::exists(path())) << "the refusal must not create a ledger";
   testing::write_bytes(path(), "");
   expect_error(ErrorCode::kEnvironment, {path(), "empty", "--new-ledger"}, [&] { start(); });
   { SqliteDatabase without_tables(path()); }
@@ -85,7 +85,7 @@ TEST_F(LedgerStartTest, ANewOneForgetsNothingThatIsThere) {
   fs::rename(path(), folder_ / "kept");
   expect_error(ErrorCode::kUsage, {path() + "-wal", "--new-ledger"}, [&] { start(true); });
   fs::remove(path() + "-wal");
-  EXPECT_EQ(start(true), 257) << "a number that was told may be of a job that left nothing but its number";
+  EXPECT_EQ(start(true), 257) << "a reported number may belong to a job that left no other trace";
   EXPECT_EQ(start(), 258);
 }
 

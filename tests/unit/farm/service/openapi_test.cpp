@@ -45,7 +45,7 @@ TEST(Openapi, HasTheParametersOfEveryType) {
     EXPECT_EQ(schemas.at(name), parameters_schema(type)) << "expected " << name << ": " << parameters_schema(type);
   }
   EXPECT_EQ(schemas.at("Submission").at("properties").at("type").at("enum"), Json(names));
-  EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "which schema the parameters have, by type";
+  EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "one schema of parameters per type";
 }
 
 // Tests labels, names of queues and texts: terminals obey C1 characters, U+0080 to U+009F, as they obey ESC.

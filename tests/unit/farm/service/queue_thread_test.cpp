@@ -53,7 +53,7 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
   EXPECT_TRUE(ledger.is_lost());
   int found = 0;
   ledger.run_now([&](JobQueue& queue) { found = queue.find(1) ? 1 : 0; });
-  EXPECT_EQ(found, 1) << "looking goes on";
+  EXPECT_EQ(found, 1) << "reading still works";
   expect_error(ErrorCode::kEnvironment, {"lost"},
                [&] { ledger.run_now([](JobQueue& queue) { queue.cancel(1, "by a test", 2); }); });
   expect_error(ErrorCode::kEnvironment, {"lost"}, [&] { ledger.run_now([](JobQueue& queue) { queue.check_kept(); }); });
@@ -89,7 +89,7 @@ TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
     }
     int found = 0;
     ledger.run_now([&](JobQueue& queue) { found = static_cast<int>(queue.list({}).size()); });
-    EXPECT_EQ(found, static_cast<int>(kept.size())) << "looking goes on, and what was refused is not there";
+    EXPECT_EQ(found, static_cast<int>(kept.size())) << "reading still works, and refused jobs are absent";
   }
   EXPECT_GT(refused, 0);
   EXPECT_GT(after_refusal, 0) << "the log was never emptied";

@@ -99,12 +99,12 @@ TEST(SlurmShares, ArraysStayBelowMaxArraySize) {
     return share_batches({}, count, missing, array_size_max);
   };
   EXPECT_EQ(items_of(batches(3, {0, 1, 2, 3}, 4)), (Items{{0}, {1, 2, 3}, {0}}))
-      << "their own numbers, as far as they fit";
+      << "items keep their own numbers if these fit";
   EXPECT_EQ(names_of(batches(3, {0, 1, 2, 3}, 3)), (Names{{"0/3"}, {"1/3", "2/3", "3/3"}, {"merge 3"}}));
   EXPECT_EQ(items_of(batches(3, {0, 1, 2, 3}, 3)), (Items{{0}, {0, 1, 2}, {0}}));
   EXPECT_EQ(names_of(batches(5, {1, 2, 3, 4, 5}, 2)), (Names{{"1/5", "2/5"}, {"3/5", "4/5"}, {"5/5"}, {"merge 5"}}));
   EXPECT_EQ(items_of(batches(5, {1, 2, 3, 4, 5}, 2)), (Items{{0, 1}, {0, 1}, {0}, {0}}));
-  EXPECT_EQ(items_of(batches(200, {150}, 5)), (Items{{0}, {0}})) << "one alone, whose own number is too high";
+  EXPECT_EQ(items_of(batches(200, {150}, 5)), (Items{{0}, {0}})) << "a single item whose own number is too high gets 0";
   EXPECT_EQ(items_of(batches(3, {1, 2, 3}, 1)), (Items{{0}, {0}, {0}, {0}}));
 }
 
@@ -144,7 +144,7 @@ TEST(Sbatch, SaysWhetherItMayTakeIt) {
   EXPECT_EQ(failed("Invalid job array specification"), SlurmRefusal::kArrayTooLong);
   EXPECT_EQ(failed("Job violates accounting/QOS policy (job submit limit, user's size and/or time limits)"),
             SlurmRefusal::kUnknown)
-      << "others' jobs may end, or it may be too large for ever";
+      << "other jobs may end, or the job may always be too large";
   EXPECT_EQ(failed("a text of another version"), SlurmRefusal::kUnknown);
 }
 

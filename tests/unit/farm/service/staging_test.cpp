@@ -78,7 +78,7 @@ TEST_F(StagingTest, AFolderTakesThePlaceOfAnEarlierResultWhole) {
   EXPECT_EQ(names(output_), (std::set<std::string>{"a", "sub/b"}));
   EXPECT_EQ(staged(2).publish(make_folder_of(2, {"a", "c"})), "");
   EXPECT_EQ(names(output_), (std::set<std::string>{"a", "c"}));
-  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1) << "something is left beside it";
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1) << "something is left next to the result";
 }
 
 TEST_F(StagingTest, TemporaryFilesThatWereLeftAreNoResults) {
@@ -174,7 +174,7 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   const std::string identity = make_folder_of(1, {"a", "sub/b"});
   staged(1).publish(identity);
   EXPECT_TRUE(is_intact(identity));
-  EXPECT_FALSE(is_intact("")) << "of a job that published nothing";
+  EXPECT_FALSE(is_intact("")) << "the job published nothing";
   write_text_file(output_ + "/sub/more", "");
   EXPECT_FALSE(is_intact(identity));
   fs::remove(output_ + "/sub/more");
@@ -183,7 +183,7 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   EXPECT_FALSE(is_intact(identity));
   fs::remove_all(output_);
   EXPECT_FALSE(is_intact(identity));
-  EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "nothing is no result";
+  EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "a missing file is not a result";
 }
 
 // While a result is removed, a separate thread repeatedly replaces a folder in it by a link to the user's folder.
@@ -253,7 +253,7 @@ TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
   fs::create_directory(root_ + "/to");
   copy_result(roots_, output_, root_ + "/to/copy");
   EXPECT_EQ(names(root_ + "/to/copy"), (std::set<std::string>{"a", "sub/b"}));
-  EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own";
+  EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own listing";
   copy_result(roots_, output_ + "/a", root_ + "/to/a");
   EXPECT_EQ(testing::read_bytes(root_ + "/to/a"), "a1");
   // The remains of an earlier attempt are replaced, and a link in their place is not followed.
@@ -301,7 +301,7 @@ TEST_F(StagingTest, AForgedListingIsNone) {
   fs::copy(output_, root_ + "/other", fs::copy_options::recursive);
   fs::last_write_time(root_ + "/other/a", fs::last_write_time(output_ + "/a"));
   EXPECT_FALSE(is_as_published(root_ + "/other", seal_));
-  EXPECT_EQ(unlisted_in(root_ + "/other", {}), "") << "but for the seal it is the same";
+  EXPECT_EQ(unlisted_in(root_ + "/other", {}), "") << "only the seal differs";
 }
 
 TEST_F(StagingTest, TheKeyIsMadeOnceAndItsOwnersAlone) {
@@ -352,7 +352,7 @@ TEST_F(StagingTest, DataIsForTheDaemonAlone) {
   }
   fs::permissions(data, fs::perms(0755));
   fs::create_directory_symlink(data, folder_ / "link");
-  EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "a link of one's own";
+  EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "users may link to their own folders";
   fs::create_directory_symlink(folder_ / "nowhere", folder_ / "dangling");
   testing::expect_error(ErrorCode::kEnvironment, {"dangling", "leads nowhere"},
                         [&] { DataLock::take(folder_ / "dangling"); });

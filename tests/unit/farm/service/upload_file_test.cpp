@@ -30,7 +30,7 @@ TEST(UploadFileTest, ALimitOfFileSizesIsNoSpace) {
     const FileLimit limit(1 << 20);
     try {
       for (int i = 0; i < 32; ++i) file->write(std::string(1 << 16, 'a'));
-      FAIL() << "more than the limit is taken";
+      FAIL() << "an upload above the limit was accepted";
     } catch (const Error& error) {
       const Refusal refusal = refusal_of(error);
       EXPECT_EQ(refusal.status, 507);

@@ -63,7 +63,7 @@ class WorkerPoolTest : public ::testing::Test {
     EXPECT_EQ(ended_.front().job, job);
     EXPECT_EQ(ended_.front().result.exit_code, -1);
     EXPECT_NE(ended_.front().result.message.find(why), std::string::npos) << ended_.front().result.message;
-    EXPECT_TRUE(runs_until([&] { return !pool_->idle().empty(); })) << "no worker takes its place";
+    EXPECT_TRUE(runs_until([&] { return !pool_->idle().empty(); })) << "no other worker replaces it";
   }
 
   boost::asio::io_context io_{1};
@@ -95,7 +95,7 @@ TEST_F(WorkerPoolTest, WantOfMemoryIsOneWorkersEnd) {
     if (fails-- > 0) throw std::bad_alloc();
   };
   open("sleep 60");
-  EXPECT_TRUE(give_order(7)) << "no worker is read from any more";
+  EXPECT_TRUE(give_order(7)) << "workers' messages are no longer read";
 }
 
 TEST_F(WorkerPoolTest, AnEndThatCannotBeNotedIsNotedLater) {

@@ -107,7 +107,7 @@ TEST(FieldBlocks, MayBeginWithAShorterOneWhereOneDoesNotHoldAll) {
   // Views 0 and 1..2 share one mapping; views 3..4 of the other are merged. Lights: 0 and 1..2.
   EXPECT_EQ(found, (std::set<std::vector<int>>{
                        {0, 1, 0, 1}, {0, 1, 1, 2}, {1, 2, 0, 1}, {1, 2, 1, 2}, {3, 2, 0, 1}, {3, 2, 1, 2}}));
-  EXPECT_EQ(blocks_of(all, 8, 1000, 3).size(), 2u) << "all fits in one block of each mapping";
+  EXPECT_EQ(blocks_of(all, 8, 1000, 3).size(), 2u) << "one block per mapping holds everything";
   for (int first = 0; first <= 2; ++first) {
     std::size_t samples = 0;
     for (const FieldBlock& block : blocks_of(all, 2, 2, first))

@@ -80,7 +80,7 @@ TEST(ParameterPyramid, RefusesWhatIsNoPyramid) {
   EXPECT_TRUE(refused({8}, {}));
   EXPECT_TRUE(refused({0}, {{0}}));
   EXPECT_TRUE(refused({8}, {{3}, {1}}));       // the levels end before the samples
-  EXPECT_TRUE(refused({8}, {{1}, {1}, {0}}));  // a level twice
+  EXPECT_TRUE(refused({8}, {{1}, {1}, {0}}));  // two equal levels
   EXPECT_TRUE(refused({8, 8}, {{1, 0}, {0, 1}, {0, 0}}));
   EXPECT_TRUE(refused({8, 8}, {{1}, {0}}));
   EXPECT_TRUE(refused({8}, {{200}, {0}}));

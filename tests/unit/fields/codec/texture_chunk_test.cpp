@@ -148,7 +148,8 @@ TEST(BestChunk, IsNoWorseThanAnyCandidateOfTheFirstCoder) {
   const double lambda = 40.0;
   const ChosenChunk chosen = best_chunk(source, even_weights, candidates, lambda, [] {});
   const EncodedChunk& best = chosen.chunk;
-  EXPECT_EQ(encode_chunk(source, chosen.settings).bytes, best.bytes) << "what was chosen makes it again";
+  EXPECT_EQ(encode_chunk(source, chosen.settings).bytes, best.bytes)
+      << "the chosen settings must give the same bytes again";
   ChunkSettings settings;
   settings.side = 8;
   settings.lambda = lambda;
@@ -176,7 +177,7 @@ TEST(BestChunk, TriesWhatItIsAskedTo) {
     return chosen.chunk.cost(lambda);
   };
   const double plain = cost(PyramidChoice::kPlain, {}), none = cost(PyramidChoice::kNone, {});
-  EXPECT_LT(plain, none) << "samples have much in common";
+  EXPECT_LT(plain, none) << "the samples are similar";
   EXPECT_LE(cost(PyramidChoice::kAdaptive, {}), plain);
   EXPECT_LT(cost(PyramidChoice::kGreedy, {}), none);
   for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet})

@@ -91,7 +91,7 @@ TEST_F(AnimationJobTest, AFolderWhoseObjectMoves) {
   EXPECT_EQ(job.objects[0].index, 1);
   EXPECT_EQ(job.objects[0].cryptomatte, "");
   EXPECT_EQ(job.samples[0].geometry, folder_ / "geom_v00.exr");
-  EXPECT_EQ(job.samples[1].geometry, "") << "the view's geometry is that of its first sample";
+  EXPECT_EQ(job.samples[1].geometry, "") << "the view takes the geometry of its first sample";
   EXPECT_EQ(job.samples[1].object_index, folder_ / "id_v00_p01.png");
   EXPECT_EQ(job.samples[1].object_to_world.at("thing")[3], glm::dvec4(0.0, 0.0, 0.125, 1.0));
   // An OBJ file is in the world space of its export; the sample's matrix is relative to the object's own space.
@@ -157,7 +157,7 @@ TEST_F(AnimationJobTest, SamplesAreInTheOrderOfTheGrid) {
   replace_once(text, "name = \"v01_p00\"\nradiance", "radiance");
   const AnimationJob job = read(text);
   EXPECT_EQ(job.samples[1].radiance, folder_ / "rad_v01_p00.exr");
-  EXPECT_EQ(job.samples[1].name, "0_1") << "a name of its own, where there is none";
+  EXPECT_EQ(job.samples[1].name, "0_1") << "a sample without a name gets one";
   EXPECT_EQ(job.samples[2].name, "v00_p01");
 }
 

@@ -126,7 +126,7 @@ TEST(InferenceReport, IterationsOfTexturesThatWereThereAreNotKnown) {
 TEST(InferenceReport, JsonHoldsTheFigures) {
   const ReportScene scene;
   const std::string text = inference_report_json(scene.report());
-  EXPECT_EQ(text.find("secret"), std::string::npos) << "folders of the machine are nobody's business";
+  EXPECT_EQ(text.find("secret"), std::string::npos) << "the report must not reveal the machine's folders";
   const nlohmann::json json = nlohmann::json::parse(text);
   EXPECT_EQ(json["job"], "job.toml");
   const nlohmann::json& layer = json["objects"][0]["layers"][0];
@@ -137,7 +137,7 @@ TEST(InferenceReport, JsonHoldsTheFigures) {
   EXPECT_EQ(layer["worst_sample"]["name"], "v1_p0");
   EXPECT_EQ(json["objects"][1]["name"], kOddName);
   EXPECT_TRUE(json["objects"][1]["layers"].empty());
-  EXPECT_TRUE(json["objects"][1]["frames"]["mse"].is_null()) << "never seen is not an error of 0";
+  EXPECT_TRUE(json["objects"][1]["frames"]["mse"].is_null()) << "an unseen object has no error, not an error of 0";
   EXPECT_EQ(json["objects"][0]["frames"]["mse"], (6.0 * 10.0 + 1.0 * 30.0) / 40.0);
   EXPECT_EQ(json["frames"]["mse"], 5.0);
   EXPECT_EQ(json["frames"]["samples"][1]["not_finite_pixels"], 1.0);
@@ -236,12 +236,12 @@ TEST(InferencePage, HasEveryObjectAndEscapesNames) {
   EXPECT_FALSE(contains(page, "src=\"http")) << "refers to nothing outside";
   const nlohmann::json data = testing::page_data(page);
   EXPECT_EQ(data["objects"][1]["name"], kOddName);
-  EXPECT_FALSE(data.contains("textures")) << "thousands of them, which the page does not show";
+  EXPECT_FALSE(data.contains("textures")) << "the page does not show thousands of textures";
   EXPECT_EQ(data["pictures"]["textures"][0]["picture"]["file"], "report/t.png");
   const std::optional<std::string> shown = testing::rendered_page(page);
   if (!shown) GTEST_SKIP() << "no Chromium";
   EXPECT_EQ(part_count(*shown, "<b>&amp;"), 0u);
-  EXPECT_GE(part_count(*shown, kOddNameShown), 3u) << "a heading, a column and a row";
+  EXPECT_GE(part_count(*shown, kOddNameShown), 3u) << "the name is in a heading, a column and a row";
   EXPECT_TRUE(contains(*shown, "bilinear &lt;1&gt;"));
   EXPECT_EQ(part_count(*shown, "<img "), 10u);
   EXPECT_EQ(part_count(*shown, "<img "), part_count(*shown, "alt=\"") - part_count(*shown, "alt=\"\""))
@@ -256,7 +256,7 @@ TEST(InferencePage, HasEveryObjectAndEscapesNames) {
 TEST(InferencePage, ASampleOfTheGridIsOneCell) {
   const ReportScene scene;
   const std::string page = inference_page(scene.report(), {});
-  EXPECT_EQ(testing::page_data(page)["frames"]["samples"][1]["sample"], 5) << "its place on the grid";
+  EXPECT_EQ(testing::page_data(page)["frames"]["samples"][1]["sample"], 5) << "the sample's place on the grid";
   const std::optional<std::string> shown = testing::rendered_page(page);
   if (!shown) GTEST_SKIP() << "no Chromium";
   // Whole frames and the vase have two samples each; the odd object is unseen and has no map.

@@ -205,7 +205,8 @@ TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundin
   // = 1 of r.
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(0.5f * wall[i] + 0.5f * wire[i], b[i], 1e-6f);
-    EXPECT_NEAR(wire[i], b[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f) << "nearer to its own colour than the pixel";
+    EXPECT_NEAR(wire[i], b[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f)
+        << "the wire's colour is closer to its own than the pixel is";
     EXPECT_NEAR(wall[i], kBlue[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f);
   }
 }
@@ -276,9 +277,9 @@ TEST(LayerSegmentationTest, AnObjectHasALayerOnlyIfSomeOfItIsLit) {
   EXPECT_TRUE(has_radiance(layer, 1.0));
   EXPECT_FALSE(has_radiance(layer, 2.0)) << "the bright pixel is not covered";
   layer.coverage[0] = 0.5f;
-  EXPECT_FALSE(has_radiance(layer, 2.0)) << "nor is half of a silhouette worth anything beside whole pixels";
+  EXPECT_FALSE(has_radiance(layer, 2.0)) << "half a silhouette pixel counts nothing next to whole pixels";
   layer.coverage[1] = 0.0f;
-  EXPECT_TRUE(has_radiance(layer, 1.0)) << "but alone it is";
+  EXPECT_TRUE(has_radiance(layer, 1.0)) << "without whole pixels it counts";
   layer.coverage[0] = 0.0f;
   EXPECT_FALSE(has_radiance(layer, 1.0));
 }

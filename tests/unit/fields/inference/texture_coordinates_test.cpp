@@ -214,7 +214,7 @@ TEST(TextureMappingTest, APlaneHeadOnHasTheScreensResolutionOverTheThreshold) {
     Views views(mesh);
     views.add(at_distance(distance_for(100.0)));  // 100 pixels per unit, 200 for the plane
     const TextureMapping mapping = optimise_texture_mapping(mesh, views.views, settings_for());
-    EXPECT_NEAR(mapping.width, 160 + 1, 1) << "and half a texel at each end";
+    EXPECT_NEAR(mapping.width, 160 + 1, 1) << "plus half a texel at each end";
     EXPECT_NEAR(mapping.height, 160 + 1, 1);
     EXPECT_LE(mapping.stretch_max, 1.25 * (1 + 1e-9));
     EXPECT_NEAR(mapping.stretch_max, 1.25, 1.25 / 160);
@@ -239,7 +239,7 @@ TEST(TextureMappingTest, SettingsOfTheResolutionAreKept) {
   texture.side_max = 31;
   const TextureMapping small = optimise_texture_mapping(mesh, views.views, texture);
   EXPECT_EQ(small.width, 31);
-  EXPECT_NEAR(small.stretch_max, 200.0 / 30.0, 1e-3) << "stated as it is, above the threshold";
+  EXPECT_NEAR(small.stretch_max, 200.0 / 30.0, 1e-3) << "the stretch is stated although it exceeds the threshold";
   expect_sound(mesh, views, small, 6.7);
   texture.side_max = 1;
   EXPECT_EQ(optimise_texture_mapping(mesh, views.views, texture).width, 1);
@@ -305,7 +305,7 @@ TEST(TextureMappingTest, ACutThroughTheHiddenSideOfACylinderSavesTexels) {
     const TextureMapping cut = optimise_texture_mapping(mesh, views.views, settings_for("periodic"));
     const TextureMapping uncut = optimise_texture_mapping(mesh, views.views, settings_for("clamp"));
     EXPECT_TRUE(cut.has_cut[0]);
-    EXPECT_FALSE(cut.has_cut[1]) << "v ends at 0 and 1, where nothing joins";
+    EXPECT_FALSE(cut.has_cut[1]) << "v ends at 0 and 1 without a seam";
     EXPECT_EQ(cut.wrap_s, WrapMode::kClamp);
     EXPECT_EQ(cut.wrap_t, WrapMode::kClamp);
     // With the seam in front, both ends of the period are visible, and the texture spends nearly the whole period.

@@ -304,7 +304,7 @@ TEST(MatrixMarketTest, TheTextHoldsTheSameEntries) {
       ASSERT_TRUE(text >> row >> column >> value);
       EXPECT_EQ(row, r + 1);
       EXPECT_EQ(column, matrix.columns[i] + 1);
-      EXPECT_EQ(std::strtof(value.c_str(), nullptr), matrix.weights[i]) << "nine digits name a float";
+      EXPECT_EQ(std::strtof(value.c_str(), nullptr), matrix.weights[i]) << "nine digits identify a float";
     }
   EXPECT_FALSE(text >> line) << line;
 }

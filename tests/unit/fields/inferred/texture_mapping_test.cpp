@@ -99,9 +99,9 @@ TEST(CutShiftTest, AVertexOnTheCutGoesWithItsTriangle) {
   mapping.has_cut = {true, false};
   const std::vector<glm::vec2> corners = mapped_corners(uvs, {0, 1, 2, 0, 1, 3}, mapping);
   ASSERT_EQ(corners.size(), 6u);
-  EXPECT_EQ(corners[0], glm::vec2(1.25f, 0.0f)) << "of the triangle left of the cut: one period on";
+  EXPECT_EQ(corners[0], glm::vec2(1.25f, 0.0f)) << "the triangle left of the cut moves by one period";
   EXPECT_EQ(corners[2], glm::vec2(1.125f, 0.0f));
-  EXPECT_EQ(corners[3], glm::vec2(0.25f, 0.0f)) << "of the triangle right of it: as it is";
+  EXPECT_EQ(corners[3], glm::vec2(0.25f, 0.0f)) << "the triangle right of the cut stays";
   EXPECT_EQ(corners[5], glm::vec2(0.375f, 0.0f));
 }
 

@@ -145,7 +145,7 @@ TEST_F(PlaybackTest, AfterAJumpSumsComeFirstAndThenTheirImages) {
       }
     };
     check();
-    EXPECT_EQ(playback->need(1).images.size(), 1u) << "one image stands for the sum";
+    EXPECT_EQ(playback->need(1).images.size(), 1u) << "one image represents the sum";
     do {  // the images arrive anyway, because nearby frames will need them
       for (const ImageKey& key : playback->decoded_ahead()) upload(*playback, key);
       playback->request();
@@ -336,7 +336,7 @@ TEST_F(PlaybackTest, WhatNobodyWantsIsCancelled) {
   const PlaybackCounts counts = playback->counts();
   EXPECT_GT(counts.cancelled, 0u);
   playback->begin_frame(one(13), {});
-  EXPECT_TRUE(decode_all(*playback)) << "and all is there again when it is wanted";
+  EXPECT_TRUE(decode_all(*playback)) << "everything is decoded again if it is needed";
 }
 
 TEST_F(PlaybackTest, ADamagedChunkCostsItsBlockAlone) {

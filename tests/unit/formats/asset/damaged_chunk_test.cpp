@@ -126,13 +126,13 @@ TEST_P(DamagedChunkTest, ATileThatIsSaidToBeAnother) {
 // A chunk is hidden inside another: its head is valid, and its bytes are within the file.
 TEST_P(DamagedChunkTest, ChunksThatOverlap) {
   const std::size_t size = static_cast<std::size_t>(place(0, 0).size);
-  if (size < 3 * kHeadBytes) GTEST_SKIP() << "the finest tile is too small for it";
+  if (size < 3 * kHeadBytes) GTEST_SKIP() << "the finest tile is too small to hide a chunk";
   std::string bytes = bytes_;
   const std::size_t at = data_at(0, 0) + kHeadBytes;
   const std::string entry = number_bytes(static_cast<std::int64_t>(data_at(1, 2) - kHeadBytes), kTableEntry);
   const std::string head_and_data =
       bytes.substr(data_at(1, 2) - kHeadBytes, kHeadBytes + static_cast<std::size_t>(place(1, 2).size));
-  if (head_and_data.size() + kHeadBytes > size) GTEST_SKIP() << "the finest tile is too small for it";
+  if (head_and_data.size() + kHeadBytes > size) GTEST_SKIP() << "the finest tile is too small to hide a chunk";
   bytes.replace(bytes.find(entry), kTableEntry, number_bytes(static_cast<std::int64_t>(at), kTableEntry));
   bytes.replace(at, head_and_data.size(), head_and_data);
   write_bytes(file_.bad, bytes);

@@ -20,7 +20,7 @@ TEST(GpuBytes, OfABakedFile) {
   drop_finer_levels(mipmap, 1);
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 11u * 3 * 16);
   MovmfMipmap coloured = testing::random_mipmap(8, 4, 3, true, StorageEncoding::kSnorm16, 1);
-  EXPECT_EQ(movmf_gpu_bytes(coloured), 43u * 3 * 16) << "colours have four channels there";
+  EXPECT_EQ(movmf_gpu_bytes(coloured), 43u * 3 * 16) << "colours have four channels on the GPU";
 }
 
 TEST(GpuBytes, OfWhatRenderersUsuallyHave) {

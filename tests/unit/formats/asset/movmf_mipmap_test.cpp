@@ -115,7 +115,7 @@ TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
     for (int l = 0; l < level_count; ++l)
       EXPECT_EQ(found.levels[static_cast<std::size_t>(l)].lobes[0].empty(), l < first_level) << l;
     EXPECT_EQ(found.header.provenance.content_hash, movmf_content_hash(dropped, 2));
-    EXPECT_NE(found.header.provenance.content_hash, hash) << "a level less, another checksum";
+    EXPECT_NE(found.header.provenance.content_hash, hash) << "one level less changes the checksum";
     hash = found.header.provenance.content_hash;
     const MovmfMipmap header = read_movmf_header(folder / "a.exr");
     EXPECT_EQ(header.header.first_level, first_level);

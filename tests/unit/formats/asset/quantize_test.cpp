@@ -278,7 +278,7 @@ TEST_P(QuantizeTest, SharpLobesAreCounted) {
                   stored_lobe(0.0, mu), of_kappa(1.0, 9.0), of_kappa(1.0, 9.0)}};
   for (const int threads : {1, 3}) {
     const SharpLobes sharp = count_sharp_lobes(level, GetParam(), threads);
-    EXPECT_EQ(sharp.count, 3u) << "two of the first lobes, one of the second";
+    EXPECT_EQ(sharp.count, 3u) << "two from the first lobes, one from the second";
     EXPECT_DOUBLE_EQ(sharp.amplitude, 2.0);
   }
   EXPECT_EQ(count_sharp_lobes(level, StorageEncoding::kFloat, 1).count, 0u);

@@ -153,7 +153,7 @@ TEST(Cryptomatte, CoverageByManifestAndByHash) {
   EXPECT_EQ(find_cryptomatte_names(folder / "crypto.exr", "CryptoObject", {}).manifest,
             (std::vector<std::string>{"other", "walls"}));
   EXPECT_EQ(read_cryptomatte_coverage(folder / "crypto.exr", "ViewLayer.CryptoObject", {"walls"})[0][0], 0.5f)
-      << "the metadata's whole name finds channels without it";
+      << "the metadata's full name finds channels that have a shorter name";
 }
 
 TEST(Cryptomatte, HashesThatAreNoFloatsAreChangedAsTheSpecificationSays) {

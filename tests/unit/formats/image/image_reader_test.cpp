@@ -434,7 +434,7 @@ TEST(ImageReaderTest, ManyChannelsAreReadByNameOrRefused) {
 TEST(ImageReaderTest, WhatIsNoImageIsRefused) {
   const TemporaryFolder folder;
   write_bytes(folder / "empty.png", "");
-  write_bytes(folder / "text.png", "this is no picture");
+  write_bytes(folder / "text.png", "this text is not a picture");
   expect_error(ErrorCode::kInput, {"absent.png", "no such file"}, [&] { read_raw(folder / "absent.png"); });
   expect_error(ErrorCode::kInput, {"is a folder"}, [&] { read_raw(folder / "."); });
   expect_error(ErrorCode::kInput, {"empty.png", "format", "0 bytes", "PNG"}, [&] { read_raw(folder / "empty.png"); });

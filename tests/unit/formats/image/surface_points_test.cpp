@@ -158,7 +158,8 @@ TEST(SurfacePointsTest, NormalsThatCancelGiveTheNearestOne) {
     const PlaneRows sums = plane_rows_of(surface_values(opposed, {}, {}, 1, nullptr));
     ASSERT_NEAR(sums[0][0], 0.0f, 2e-7f);
     const PlaneRows points = plane_rows_of(surface_normals(opposed, {}, {}, 1, nullptr));
-    EXPECT_NEAR(points[0][0], sign * (0.62201f * kOwn + 0.37799f), 1e-4f) << "as long as the four, as the own one";
+    EXPECT_NEAR(points[0][0], sign * (0.62201f * kOwn + 0.37799f), 1e-4f)
+        << "the point is as long as the four normals and as its own texel";
   }
 }
 

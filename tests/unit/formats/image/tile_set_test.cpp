@@ -126,7 +126,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   EXPECT_TRUE(has_warning(beside_gap, {"missing tile 1002", "right", "end"}));
   settings_.wrap_s = WrapMode::kClamp;
   const NormalMap alone = read_map(folder_ / "h_1001.png", settings_);
-  EXPECT_EQ(beside_gap.x, alone.x) << "one-sided towards the gap, and where the row does not close";
+  EXPECT_EQ(beside_gap.x, alone.x) << "differences are one-sided at the gap and where the row does not repeat";
   write_test_image(folder_ / "h_1002.png", cut_image(kSide, 0, kSide / 2, kSide / 2));
   const NormalMap beside_small = read_tile("1001");
   EXPECT_TRUE(has_warning(beside_small, {"tile 1002", "32 x 32 texels, expected 64 x 64"}));

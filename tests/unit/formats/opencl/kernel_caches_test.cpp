@@ -52,7 +52,7 @@ TEST_F(KernelCachesTest, FoldersThatCanBeWrittenAreTaken) {
   ::setenv("MULTUM_CACHE_DIR", "as it was", 1);
   EXPECT_EQ(prepared({folder / "new/multum", folder / "new/pocl"}), "");
   EXPECT_STREQ(std::getenv("MULTUM_CACHE_DIR"), "as it was");
-  EXPECT_EQ(folder.names(), testing::Names{"new"}) << "made, and nothing left in it";
+  EXPECT_EQ(folder.names(), testing::Names{"new"}) << "the folder was made and is empty";
   EXPECT_TRUE(std::filesystem::is_empty(folder / "new/multum"));
   EXPECT_EQ(pocl_cache_failure(), "");
 }
@@ -68,10 +68,10 @@ TEST_F(KernelCachesTest, APrivateFolderReplacesOneThatCannotBeWritten) {
   EXPECT_EQ(programs.parent_path(), pocl.parent_path());
   struct stat status = {};
   ASSERT_EQ(::stat(programs.parent_path().c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 07777u, 0700u) << "nobody else's kernels may be run";
+  EXPECT_EQ(status.st_mode & 07777u, 0700u) << "nobody else may write kernels that run here";
   EXPECT_TRUE(std::filesystem::is_directory(pocl));
   EXPECT_EQ(pocl_cache_failure(), "");
-  EXPECT_EQ(prepared({programs.string(), pocl.string()}), "") << "as children have them";
+  EXPECT_EQ(prepared({programs.string(), pocl.string()}), "") << "children inherit the variables";
 }
 
 TEST_F(KernelCachesTest, NoFoldersAreNoConcern) { EXPECT_EQ(prepared({}), ""); }

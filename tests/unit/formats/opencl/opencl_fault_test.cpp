@@ -99,7 +99,7 @@ TEST_F(OpenclFaultTest, EventsAreReleasedOnceWhenATimeCannotBeHad) {
     EXPECT_EQ(g_events_released - before, 4);
     g_events_released = 0;
   }
-  EXPECT_EQ(g_events_released, 0) << "the device has none left to release";
+  EXPECT_EQ(g_events_released, 0) << "no event is left for the device to release";
 }
 
 TEST_F(OpenclFaultTest, AQueueIsReleasedWhenTimesCannotBeHad) {
@@ -109,7 +109,7 @@ TEST_F(OpenclFaultTest, AQueueIsReleasedWhenTimesCannotBeHad) {
     launch(device, 1);
     g_times_until_failure = 0;
     EXPECT_THROW(device.time_launches(false), Error);
-    EXPECT_EQ(g_queues, 1) << "the new one is gone, the old one is still in use";
+    EXPECT_EQ(g_queues, 1) << "the new queue was released, and the old one is still in use";
     g_times_until_failure = -1;
     device.time_launches(false);
     launch(device, 1);
@@ -130,7 +130,7 @@ TEST_F(OpenclFaultTest, AnUnmapThatFailsIsAnError) {
   });
   testing::expect_error(ErrorCode::kEnvironment, said, [&] { device.move_down({{{&buffer, 8, 4}, 0}}); });
   EXPECT_THROW(device.read_ranges({{&buffer, 0, 4}}, [](const Device::Bytes&) { throw Cancelled(); }), Cancelled)
-      << "what the reader threw counts";
+      << "the reader's exception must be thrown";
 }
 
 std::vector<DeviceInfo> devices_called(const std::vector<std::string>& names) {

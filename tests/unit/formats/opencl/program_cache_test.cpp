@@ -112,7 +112,7 @@ TEST_F(ProgramCacheTest, WhatIsPreparedIsBuiltOnceAndKept) {
     device.kernel("moments", "moment_finest", variant);
     EXPECT_EQ(device.unprepared_count(), 0);
     device.kernel("mip_box", "mip_texels", variant);
-    EXPECT_EQ(device.unprepared_count(), 1) << "nobody had prepared this one";
+    EXPECT_EQ(device.unprepared_count(), 1) << "this program was not prepared";
     const std::string said = ::testing::internal::GetCapturedStderr();
     EXPECT_NE(said.find("compiling kernels for " + device.info().name), std::string::npos) << said;
     EXPECT_EQ(said.find("compiling"), said.rfind("compiling")) << "once: " << said;
@@ -179,7 +179,8 @@ TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
     FitReport report;
     bake_movmf(device, map, coloured ? &colours : nullptr, settings, report, nullptr);
     EXPECT_EQ(device.unprepared_count(), 0);
-    EXPECT_EQ(static_cast<std::size_t>(device.program_count()), folder.names().size()) << "built and never asked for";
+    EXPECT_EQ(static_cast<std::size_t>(device.program_count()), folder.names().size())
+        << "a program was built but never used";
     EXPECT_GE(device.program_count(), 5);
   }
 }

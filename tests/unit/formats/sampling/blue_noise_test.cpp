@@ -57,9 +57,9 @@ TEST(BlueNoise, AllValuesAreAlikeOften) {
 TEST(BlueNoise, LowFrequenciesAreMissing) {
   for (std::size_t c = 0; c < 4; ++c) {
     const double power = low_power(channel(c), kSide / 8);
-    std::printf("channel %zu: power below an eighth of a period a texel is %.4f of white noise's\n", c, power);
+    std::printf("channel %zu: power below 1/8 period per texel is %.4f times that of white noise\n", c, power);
     EXPECT_LT(power, 0.02);
-    EXPECT_GT(low_power(channel(c), kSide / 2), 0.5) << "what is missing there is elsewhere";
+    EXPECT_GT(low_power(channel(c), kSide / 2), 0.5) << "the power missing at low frequencies is at higher ones";
   }
 }
 

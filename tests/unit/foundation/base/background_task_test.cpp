@@ -35,7 +35,7 @@ TEST(BackgroundTaskTest, RunsBesideItsCallerUnlessThereIsOneThread) {
 TEST(BackgroundTaskTest, WhatATaskThrowsIsThrownOnce) {
   BackgroundTask task;
   task.run(2, [] { throw std::runtime_error("full"); });
-  EXPECT_THROW(task.run(2, [] { FAIL() << "begun after a failure"; }), std::runtime_error);
+  EXPECT_THROW(task.run(2, [] { FAIL() << "the task started after a failure"; }), std::runtime_error);
   EXPECT_NO_THROW(task.wait());
 }
 

@@ -59,7 +59,7 @@ TEST(ChildProcessTest, UsageIsTheChildsOwn) {
   EXPECT_GE(idle.usage.wall_seconds, 0.2);
   EXPECT_LT(idle.usage.cpu_seconds(), 0.2);
   EXPECT_LT(idle.usage.peak_memory_bytes, (100u << 20) + own_peak_memory_bytes())
-      << "one child's peak counts for the next";
+      << "one child's peak memory counts for the next child";
 }
 
 TEST(ChildProcessTest, LimitsEndWhatTheChildHasStartedToo) {

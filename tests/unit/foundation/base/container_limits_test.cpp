@@ -150,7 +150,7 @@ TEST(ContainerLimitsOfThisMachineTest, ARealGroupIsHonoured) {
   const fs::path group = fs::path("/sys/fs/cgroup/memory" + own) / ("multum_test_" + std::to_string(::getpid()));
   std::error_code error;
   if (own.empty() || !fs::create_directory(group, error))
-    GTEST_SKIP() << "no group of version 1 can be made here: " << error.message();
+    GTEST_SKIP() << "cannot create a version 1 group here: " << error.message();
   std::ofstream(group / "memory.limit_in_bytes") << 400 * kMiB;
   const pid_t child = ::fork();
   if (child == 0) {

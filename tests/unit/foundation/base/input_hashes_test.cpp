@@ -65,7 +65,7 @@ TEST_F(InputHashesTest, WhatCannotBeReadIsToldByItsHash) {
   hashes_.note(path);
   hashes_.check_unchanged(path);
   testing::expect_error(ErrorCode::kInput, {path, "cannot be opened", "No such file"}, [&] { hashes_.hash(path); });
-  EXPECT_EQ(hashes_.hash(file("abc")), hash_text("abc")) << "known from when it is there";
+  EXPECT_EQ(hashes_.hash(file("abc")), hash_text("abc")) << "a new file is hashed once it exists";
   testing::expect_error(ErrorCode::kInput, {folder_.path(), "is a folder"}, [&] { hashes_.hash(folder_.path()); });
 }
 

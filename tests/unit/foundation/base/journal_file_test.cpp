@@ -116,7 +116,7 @@ TEST_F(RecordFileTest, AFileOfAFormerFormatIsRefusedAndStays) {
   }
   stopped_after({});
   write_bytes(rows_, "0123456789abcdef\n");
-  EXPECT_NE(open(false), nullptr) << "nobody wants to go on with it";
+  EXPECT_NE(open(false), nullptr) << "the file is not to be resumed";
 }
 
 TEST_F(RecordFileTest, ABeginningThatIsTornIsNone) {

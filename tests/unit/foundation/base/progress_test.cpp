@@ -88,7 +88,7 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           std::_Exit(42);
         },
         ::testing::ExitedWithCode(42), "")
-        << "one sender's two signals";
+        << "two signals from one sender";
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);
@@ -104,7 +104,7 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           std::_Exit(1);
         },
         ::testing::ExitedWithCode(42), "")
-        << "handlers of others are taken away";
+        << "other handlers are removed";
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);
@@ -114,7 +114,7 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           std::_Exit(42);
         },
         ::testing::ExitedWithCode(42), "")
-        << "the same, of a machine that is overloaded";
+        << "the same result on an overloaded machine";
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);

@@ -109,7 +109,7 @@ TEST(ShownTextTest, CharactersAreNotCut) {
       EXPECT_EQ(whole_characters(text.substr(0, text.size() - cut)), 2u);
   }
   EXPECT_EQ(whole_characters(""), 0u);
-  EXPECT_EQ(whole_characters("a\x9b\x9b\x9b\x9b"), 5u) << "of no character: it is not waited for";
+  EXPECT_EQ(whole_characters("a\x9b\x9b\x9b\x9b"), 5u) << "bytes of no character are not waited for";
 }
 
 TEST(ShownTextTest, Utf8AndControlCharactersAreKnown) {

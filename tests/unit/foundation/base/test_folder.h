@@ -84,7 +84,7 @@ inline void expect_says(const std::string& text, const std::vector<std::string>&
 inline void expect_error(ErrorCode code, const std::vector<std::string>& parts, const std::function<void()>& body) {
   try {
     body();
-    ADD_FAILURE() << "no error, expected one with \"" << (parts.empty() ? "" : parts[0]) << '"';
+    ADD_FAILURE() << "no error was thrown, expected one with \"" << (parts.empty() ? "" : parts[0]) << '"';
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), code) << error.what();
     expect_says(error.what(), parts);

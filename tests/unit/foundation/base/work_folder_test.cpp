@@ -52,9 +52,9 @@ TEST_F(WorkFolderTest, IsForThisUserAloneAndGoesAtTheEnd) {
     fs::create_directories(work->path() + "/deep/deeper");
     write_bytes(work->path() + "/deep/deeper/rows", "x");
     EXPECT_TRUE(fs::exists(partial_ + "/deep/deeper/rows")) << "its path leads elsewhere";
-    EXPECT_EQ(WorkFolder::take(partial_), nullptr) << "two have it at once";
+    EXPECT_EQ(WorkFolder::take(partial_), nullptr) << "two owners have the folder at once";
     WorkFolder::drop(partial_);
-    EXPECT_TRUE(fs::exists(partial_)) << "was dropped under its owner";
+    EXPECT_TRUE(fs::exists(partial_)) << "the folder was removed while its owner used it";
   }
   EXPECT_FALSE(fs::exists(partial_));
 }
@@ -199,7 +199,7 @@ TEST_F(WorkFolderTest, OneOfNoGivenNameRemovesWhatKilledRunsLeft) {
   {
     const auto one = WorkFolder::make(folder_.path()), two = WorkFolder::make(folder_.path());
     EXPECT_NE(one->shown_path(), two->shown_path());
-    EXPECT_EQ(folder_.names().size(), 3u) << "what the child left, or one that is in use";
+    EXPECT_EQ(folder_.names().size(), 3u) << "the child's folder was left, or a folder in use was removed";
   }
   EXPECT_EQ(folder_.names(), Names{"precious"});
 }

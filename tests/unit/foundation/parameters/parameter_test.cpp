@@ -38,7 +38,7 @@ TEST(ParameterTable, RowsAreWhole) {
     std::set<std::string> names;
     for (const Parameter& row : table->rows()) {
       SCOPED_TRACE(table->command() + " " + row.name);
-      EXPECT_TRUE(names.insert(row.name).second) << "is there twice";
+      EXPECT_TRUE(names.insert(row.name).second) << "the name appears twice";
       EXPECT_FALSE(row.help.empty());
       EXPECT_EQ(row.kind == ParameterKind::kChoice, !row.choices.empty());
       EXPECT_TRUE(!row.is_numeric() || row.low < row.high);

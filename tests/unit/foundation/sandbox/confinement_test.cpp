@@ -77,7 +77,7 @@ TEST(ConfinementTest, NothingElseIsOpenedByAnyName) {
 // Tests only limits that this machine's kernel supports.
 TEST(ConfinementTest, NobodyElseIsReached) {
   const long version = ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  if (version < 6) GTEST_SKIP() << "this kernel's Landlock knows nothing of TCP or signals";
+  if (version < 6) GTEST_SKIP() << "this kernel's Landlock cannot restrict TCP or signals";
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

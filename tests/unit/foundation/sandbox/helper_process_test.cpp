@@ -102,14 +102,14 @@ TEST(HelperProcessTest, TheSystemsKillAndAProgramThatIsNotLoadedAreWantOfMemory)
   HelperLimits limits = kLimits;
   limits.time_max = std::chrono::milliseconds(100);
   EXPECT_FALSE(lacked_memory("exit"));
-  EXPECT_FALSE(lacked_memory("hang", limits)) << "killed by its asker";
+  EXPECT_FALSE(lacked_memory("hang", limits)) << "killed by the requesting process";
   EXPECT_FALSE(lacked_memory("chatter"));
 #ifndef MULTUM_SHADOW_MEMORY
   EXPECT_FALSE(lacked_memory("segfault"));
   const KeptLimit space(RLIMIT_AS);
   limits.memory_max = std::uint64_t{1} << 40;
   space.set(limits.memory_max);
-  EXPECT_TRUE(lacked_memory("segfault", limits)) << "libraries do not all look at what malloc() returns";
+  EXPECT_TRUE(lacked_memory("segfault", limits)) << "some libraries ignore that malloc() failed";
 #endif
 }
 
@@ -179,7 +179,7 @@ TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
   EXPECT_EQ(helper.ask("work", limits, {}), "done");
   waiting.join();
   EXPECT_EQ(answer, "done");
-  EXPECT_GT(std::chrono::steady_clock::now() - start, limits.time_max) << "nobody was in its way";
+  EXPECT_GT(std::chrono::steady_clock::now() - start, limits.time_max) << "no other process slowed the child";
 }
 
 TEST(HelperProcessTest, MemoryIsLimited) {
@@ -215,7 +215,7 @@ TEST(HelperProcessTest, WhoWaitsMayStopWaiting) {
     if (++called == 2) throw Cancelled();
   };
   EXPECT_THROW(helper.ask("hang", kLimits, stop), Cancelled);
-  EXPECT_FALSE(helper.is_alive()) << "its answer would be taken for the next one's";
+  EXPECT_FALSE(helper.is_alive()) << "its answer would be taken as the next request's answer";
 }
 
 TEST(HelperProcessTest, NothingStays) {

@@ -108,7 +108,7 @@ TEST_F(ImageDecodingTest, FilesReadAsInThisProcess) {
 TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
   const std::string whole = read_bytes(write("a.png", normal_image(64, 64)));
   write_bytes(folder_ / "cut.png", whole.substr(0, whole.size() / 2));
-  write_bytes(folder_ / "text.png", "this is no picture");
+  write_bytes(folder_ / "text.png", "this text is not a picture");
   TestImage many = normal_image(8, 8);
   many.channels = 6;
   many.channel_names = {"a", "b", "c", "d", "e", "f"};
@@ -162,7 +162,7 @@ TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
         nullptr);
   });
   EXPECT_TRUE(is_killed);
-  EXPECT_EQ(refusal_of(path), "") << "the next one is decoded by a new child";
+  EXPECT_EQ(refusal_of(path), "") << "a new child decodes the next file";
 }
 
 TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {

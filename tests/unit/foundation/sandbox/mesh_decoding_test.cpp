@@ -126,7 +126,7 @@ TEST_F(MeshDecodingTest, MemoryIsLimited) {
   const std::string refusal = refusal_of(write("bomb.gltf", gltf_bomb()));
   EXPECT_NE(refusal.find(" 1073"), std::string::npos) << refusal;
   expect_says(refusal, {"bomb.gltf", "decoding", "bytes of memory"});
-  EXPECT_EQ(refusal_of(write_grid("grid.obj", 2)), "") << "the next one is read";
+  EXPECT_EQ(refusal_of(write_grid("grid.obj", 2)), "") << "the next file is read";
 }
 #endif
 
