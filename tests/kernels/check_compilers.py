@@ -21,14 +21,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 # movmf_bin_axes counts 63 bins and movmf_bin_cells stores 64 cells in arrays; the sums of 8 lobes take 320 bytes.
 STACK_MAX = 512
 # movmf_refine solves for 4 numbers per lobe: the triangle of 32 x 32 sums of 8 lobes, and five sets of lobes. The sets
-# are EM's lobes, the neighbours' lobes, the step's, the best ones, and the pooled ones with their derivatives.
+# are the lobes of EM, of neighbours and of the step, the best lobes, and the pooled lobes with their derivatives.
 STACK_MAX_OF = {"movmf_refine": 5120}
 REGISTERS_MAX = 255  # of one work-item of NVIDIA's GPUs
 CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
 
 
 def variants(name, text):
-    """Yields names and definitions of the scalar variants that GPUs run; an option that the text lacks has one value."""
+    """Yields names and definitions of the scalar variants that GPUs run. Options that the text lacks have one value."""
     if name.startswith("movmf_") and name != "movmf_shade":
         for lobes in (4, 8) if "MULTUM_LOBES" in text else (4,):
             for weighted in (0, 1) if "MULTUM_WEIGHTED" in text else (0,):
@@ -113,7 +113,8 @@ def check(job):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("kernels", type=pathlib.Path)
-    parser.add_argument("flattened", type=pathlib.Path, help="folder of the same kernels with their includes expanded, as the programs embed them")
+    parser.add_argument("flattened", type=pathlib.Path,
+                        help="folder of the same kernels with their includes expanded, as the programs embed them")
     parser.add_argument("--ptxas", default=shutil.which("ptxas"))
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()

@@ -44,7 +44,7 @@ TEST(ManifestReport, AllInPlace) {
 }
 
 TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
-  MapResult worse = result_of("w.exr", MapState::kWorse, "is 30 % off");
+  MapResult worse = result_of("w.exr", MapState::kWorse, "has an error of 30 %");
   worse.error = 0.3;
   worse.stated = 0.299999;
   worse.allowed = 0.25;
@@ -59,7 +59,7 @@ TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
             "  missing  m.exr: gone\n"
             "  stale    s.exr: lobes was 2, is 3\n"
             "  damaged  d.exr: x\n"
-            "  worse    w.exr: is 30 % off\n"
+            "  worse    w.exr: has an error of 30 %\n"
             "  failed   f.exr: no map\n");
   const std::string summary = manifest_summary(outcome);
   EXPECT_EQ(summary.rfind("**multum bake --check: FAILED for 5 of 6 maps: ", 0), 0u) << summary;

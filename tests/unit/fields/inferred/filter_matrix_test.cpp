@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the filter matrix's file: it reads back byte for byte as docs/reference/inferred_textures.md says, and every
-// kind of damage is refused by name. One refusal is not tested: "cannot be read to its end" needs a disk that fails
+// kind of damage is refused by name. The refusal of an incomplete read is not tested: it needs a disk that fails
 // between two reads.
 #include "host/fields/inferred/filter_matrix.h"
 
