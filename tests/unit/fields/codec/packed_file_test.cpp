@@ -18,7 +18,7 @@ std::vector<SectionSource> test_sections(SplitMix64& random) {
           {1, 0, 0, random_bytes(random, 3000)},
           {1, 0, 1, random_bytes(random, 0)},
           {1, 7, 300, random_bytes(random, 77)},
-          {99, 1, 2, random_bytes(random, 10)}};  // of a later version
+          {99, 1, 2, random_bytes(random, 10)}};  // a section of a later version
 }
 
 TEST(PackedFile, SectionsAreFoundByTheirRanges) {

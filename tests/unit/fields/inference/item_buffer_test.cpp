@@ -157,7 +157,7 @@ TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
     std::vector<glm::vec3> all;
     for (std::size_t i = 0; i < kSpokes; ++i) {
       std::vector<glm::vec3> one = {centre, rim[i], rim[(i + 1) % kSpokes]};
-      if (i % 3 == 0) std::swap(one[1], one[2]);  // either way round
+      if (i % 3 == 0) std::swap(one[1], one[2]);  // tries both orientations
       all.insert(all.end(), one.begin(), one.end());
       const ObjectMesh mesh = triangles(one);
       const ItemBuffer items = draw_item_buffer({{&mesh, glm::dmat4(1.0)}}, projection, kSize, kSize);

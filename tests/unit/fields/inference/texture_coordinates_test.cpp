@@ -390,7 +390,7 @@ TEST(TextureMappingTest, TrianglesThatAreALineInTheTextureAreCountedAndHarmless)
   EXPECT_EQ(after.width, before.width);
   EXPECT_EQ(after.height, before.height);
   EXPECT_TRUE(std::isfinite(after.stretch_max));
-  for (glm::vec2& uv : mesh.uvs) uv = glm::vec2(0.25f);  // nothing else is left
+  for (glm::vec2& uv : mesh.uvs) uv = glm::vec2(0.25f);  // leaves no other triangle
   const TextureMapping nothing = optimise_texture_mapping(mesh, after_views.views, settings_for());
   EXPECT_EQ(nothing.degenerate_pixels, nothing.visible_pixels);
   EXPECT_GE(nothing.width, 1);

@@ -117,9 +117,9 @@ TEST_P(DamagedChunkTest, OffsetsOfNoTile) {
 }
 
 TEST_P(DamagedChunkTest, ATileThatIsSaidToBeAnother) {
-  put(data_at(1, 2) - kHeadBytes, number_bytes(2, 4));  // of another part
+  put(data_at(1, 2) - kHeadBytes, number_bytes(2, 4));  // another part's number
   expect_refusal({kPlace, "another chunk is in its place"});
-  put(data_at(1, 2) - 8, number_bytes(3, 4));  // of another level
+  put(data_at(1, 2) - 8, number_bytes(3, 4));  // another level's number
   expect_refusal({kPlace, "another chunk is in its place"});
 }
 

@@ -117,7 +117,7 @@ class Ktx2ImageTest : public ::testing::Test {
   }
 
   const TemporaryFolder folder_;
-  const std::string path_ = folder_ / "a.png";  // by content, not by name
+  const std::string path_ = folder_ / "a.png";  // recognised by content, not by name
 };
 
 TEST_F(Ktx2ImageTest, TexelsAsTheyAre) {

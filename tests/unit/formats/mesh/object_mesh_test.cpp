@@ -31,7 +31,7 @@ TEST(ObjectMesh, NodesOfGltfAreObjectsInTheirOwnSpace) {
   EXPECT_EQ(objects[0].name, "left");
   EXPECT_EQ(objects[1].name, "right");
   const std::vector<glm::vec3> corners = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
-  for (const ObjectMesh& object : objects) EXPECT_EQ(object.positions, corners);  // not moved, not joined
+  for (const ObjectMesh& object : objects) EXPECT_EQ(object.positions, corners);  // neither moved nor joined
   EXPECT_EQ(objects[0].indices, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(glm::dvec3(objects[0].object_to_world * glm::dvec4(0.0, 0.0, 0.0, 1.0)), glm::dvec3(-1.0, 0.0, 5.0));
   EXPECT_EQ(glm::dvec3(objects[1].object_to_world * glm::dvec4(1.0, 0.0, 0.0, 1.0)), glm::dvec3(2.0, 0.0, 5.0));

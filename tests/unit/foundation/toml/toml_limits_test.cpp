@@ -182,7 +182,7 @@ std::string structure() { return repeated("a.b.[{[[x]]=,1,}]#", 20'000); }
 
 struct HidingCase {
   std::string name, text;  // sets a key a; its lines are complete
-  std::string value;       // of a; not checked if empty
+  std::string value;       // value of a; not checked if empty
 };
 
 std::vector<HidingCase> hiding_cases() {
@@ -385,7 +385,7 @@ TEST_F(TomlLimitsTest, WhatIsAcceptedIsNoDeeperAndNoLarger) {
       // An array of tables is a level of its own in addition to each part of its name.
       if (is_within) {
         EXPECT_LE(size.depth, 2 * narrow.depth_max);
-        EXPECT_LE(size.nodes, narrow.item_max + 1);  // the document itself
+        EXPECT_LE(size.nodes, narrow.item_max + 1);  // plus one for the document itself
       }
     }
   });
