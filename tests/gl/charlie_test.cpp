@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares Charlie over vMF lobes (brdf/charlie.glsl) with quadrature in double: the density, the highlight's cosine,
-// the whole highlight with visibility, and the sums of vMFs that replace the density where a sum is needed.
+// Compares Charlie over vMF lobes (brdf/charlie.glsl) with quadrature in double: density, cosine, and the whole
+// highlight with visibility. Also compares the sums of vMFs that replace the density where a sum is needed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -168,7 +168,7 @@ TEST_F(CharlieTest, HardCasesAreFinite) {
   }
 }
 
-// The sum of four vMFs that error measurements use, over a lobe: relative L1 over the hemisphere of h.
+// Tests the sum of four vMFs, which error measurements use, over a lobe: relative L1 error over the hemisphere of h.
 // docs/contributing/ALGORITHMS.md states the error by roughness, as a maximum over all lobes and under sharp lobes.
 TEST(CharlieTerms, AreAsFarOffAsStated) {
   struct Bounds {

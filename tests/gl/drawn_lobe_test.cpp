@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests drawing one normal per pixel and frame from the lobes, for renderers that keep one normal: the error of the
-// mean over frames against the sum over lobes, and the content of a single frame.
+// Tests drawing one normal per pixel and frame from the lobes, for renderers that keep one normal. Compares the mean
+// over frames with the sum over lobes, and checks a single frame.
 #include <gtest/gtest.h>
 
 #include <cstdio>

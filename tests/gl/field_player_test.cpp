@@ -109,7 +109,7 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
         old += report.layers[l].is_old ? 1 : 0;
         drawn += report.layers[l].is_drawn ? 1 : 0;
       }
-      // One image of each layer is uploaded in any case.
+      // One image of each layer is always uploaded.
       EXPECT_LE(report.uploaded_bytes, settings.upload_max + drawn * 90 * 52 * 8);
       missing += missing_now;
       const auto shown = all_texels(player);

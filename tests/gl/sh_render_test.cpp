@@ -128,7 +128,7 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
   const auto lit = [&](WrapMode wrap) {
     TestMap map = make_flat_map(8);
     map.image.wrap_s = map.image.wrap_t = wrap;
-    // Two repeats across the plane: the left part of its far half, some rows below the horizon, is within the map.
+    // The plane shows two repeats: the left part of its far half, some rows below the horizon, is within the map.
     const FloatImage drawn = draw(make_harmonics(map.image, 4, StorageEncoding::kFloat), scene_of(10.0f, 2.0f));
     std::size_t count = 0;
     for (std::size_t i = 0; i < drawn.rgba.size(); i += 4) count += drawn.rgba[i] > 0.0f ? 1 : 0;
@@ -172,8 +172,8 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EXPECT_GT(error(draw(make_harmonics(map.image, 1, StorageEncoding::kFloat), scene), exact), 0.01);
 }
 
-// Lobes use the mean cosine of the normals that the light reaches (movmf_shading.glsl). Its error is at most that of
-// the other cosines.
+// Lobes use the mean cosine of the normals that the light reaches (movmf_shading.glsl). The error of this choice is at
+// most that of the other cosines.
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);

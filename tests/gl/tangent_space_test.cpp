@@ -101,7 +101,7 @@ TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
   }
 }
 
-// The conformance model stores no tangents. Its bumps are steep, and smooth normals lean with the bumps.
+// The conformance model stores no tangents. The model's bumps are steep, and smooth normals lean with the bumps.
 TEST(TangentSpace, OfTheConformanceModel) {
   if (shared_data().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA is not set";
   const TriangleMesh mesh = read_mesh(shared_data() + "/mesh/pc_NormalTangentTest.glb");

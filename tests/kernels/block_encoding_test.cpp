@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests kernels/block_encoding.cl by the errors of its blocks, decoded on the host. Compares them with the lowest
+// Tests kernels/block_encoding.cl by the errors of its blocks, decoded on the host. Compares the errors with the lowest
 // possible error (BC4), a search from many starts (BC7), and libsquish.
 #include <gtest/gtest.h>
 
@@ -251,7 +251,7 @@ TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   }
 }
 
-// The same search with the third channel in alpha. Its error equals that of blocks of colours if both choose modes 4, 5
+// The same search with the third channel in alpha. The error equals that of blocks of colours if both choose modes 4, 5
 // or 6 and blue is 1.
 TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
   std::mt19937 random(34);

@@ -279,7 +279,7 @@ TEST_P(Families, LobesTellSharpFromRough) {
 
 TEST(Roughness, NoneAndFullOfIt) {
   const NormalMap map = bumpy_map(64, 64, 41);
-  // Without roughness, normals are fitted as unit vectors.
+  // If no texel has roughness, normals are fitted as unit vectors.
   const MovmfMipmap none = bake(map, nullptr, true);
   NormalMap half = map;
   for (std::vector<float>* plane : {&half.x, &half.y, &half.z})
@@ -326,7 +326,7 @@ TEST(Roughness, MomentsHoldTheFacetsSlopes) {
       EXPECT_NEAR(none.levels[l].slopes[i].ss, plain.levels[l].slopes[i].ss, 1e-6);
 }
 
-// A finest texel is a vMF with the mean length of its normal; coarser texels are means of finest texels.
+// A finest texel is a vMF whose mean cosine is its normal's length; coarser texels are means of finest texels.
 TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   constexpr int kOrder = 7;
   NormalMap unit = bumpy_map(8, 6, 45);

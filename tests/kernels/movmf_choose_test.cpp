@@ -194,8 +194,8 @@ std::vector<glm::dvec3> covered(const ChoiceLevel& level, const std::vector<floa
 
 class MovmfChooseTest : public ::testing::TestWithParam<ChoiceCase> {};
 
-// Rounding moves a way's cost by some 1e-6 from the reference's cost, so that either of two closer ways may win. In
-// both cases lobes are the means of their normals.
+// Rounding moves a way's cost by some 1e-6 from the reference's cost, so that either of two closer ways may win.
+// Whichever way wins, lobes are the means of their normals.
 TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
   const ChoiceCase c = GetParam();
   const ChoiceLevel level = random_level(c, 20061u + static_cast<unsigned>(c.lobes));

@@ -140,7 +140,7 @@ std::vector<reference::DistantLight> reference_lights(const ReflectanceJob& job)
 }
 
 // Compares with the same normals in double. The remaining error is that of the cosine in float, times the exponent:
-// 1.2e-7 s of a value at the foot of a lobe, which is some 1e-6 of the lobe's peak for every s.
+// 1.2e-7 s of a value at the foot of a lobe. For every s this is some 1e-6 of the lobe's peak.
 TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   for (const float exponent : {1.0f, 30.0f, 1000.0f, 1e5f}) {
     const ReflectanceJob job = job_of(exponent, 37);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of light/: directions at the poles of an environment and along the view, tables and levels at
-// their ends, light from exactly behind and from a point on the surface.
+// The numerical cases of light/: directions at the poles of an environment and along the view, and tables and levels at
+// their ends. Light comes from exactly behind, or from a point on the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ void places_at_the_poles(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// Turns a normal all around under a strong light: behind it the series of two bands is below 0.
+// Tries normals all around a strong light: facing away from it, the series of two bands is below 0.
 void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double mean : {1.0, 0.1}) {
     const SmoothLight light = {mean, {0.3, -0.4, 1.0}};

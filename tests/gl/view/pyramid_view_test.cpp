@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests pyramids in the runtime: our choice of level against the driver's choice and double precision, highlights with
-// and without the pyramid, surfaces at a level of detail, a model's own materials. Also tests multum-view's modes for
-// pyramids.
+// Tests pyramids in the runtime: our choice of level against the driver's choice and double precision, and highlights
+// with and without the pyramid. Also tests surfaces at a level of detail and a model's own materials. Also tests
+// multum-view's modes for pyramids.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -285,8 +285,8 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
   EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
 }
 
-// A surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. Its finest
-// points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
+// A surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The surface's
+// finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
 TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
   const auto level = [&](double distance, double spacing) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests manifests: they give the same jobs as the same options on the command line, and each refusal names the line,
-// the key, the value found and the value expected.
+// Tests manifests: they give the same jobs as the same options on the command line. Each refusal names the line, the
+// key, the value found and the value expected.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <gtest/gtest.h>

@@ -60,7 +60,7 @@ TEST(AveragedLevels, AreTheMeansOfCoveredFacets) {
   }
 }
 
-// A tilted plane has one normal everywhere. Its averages are that normal, and no rule makes it rougher.
+// A tilted plane has one normal everywhere. All averages equal that normal, and no rule makes the surface rougher.
 TEST(SurfaceFrames, AllAreAlikeWhereThereIsOneNormal) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.2, -0.1, 1.0));
   const NormalMap map = make_map(40, 24, [&](int, int) { return normal; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that the names of fields in the web interface and the ledger stay stable, whatever the table of a job's fields
-// holds.
+// Tests that the names of fields in the web interface and the ledger stay stable if the table of a job's fields
+// changes.
 #include "host/farm/service/ledger/job_fields.h"
 
 #include <gtest/gtest.h>

@@ -239,8 +239,7 @@ TEST(WaveletStream, EveryPrefixDecodesAndMoreBytesLeaveLessError) {
     }
     errors.push_back(error);
   }
-  // A coefficient may land farther from its value than the middle of its interval, so single errors may rise; rises are
-  // small and do not last.
+  // One more byte may move a coefficient away from its true value. Such rises of the error are small and do not last.
   for (std::size_t cut = 1; cut < errors.size(); ++cut)
     EXPECT_LT(errors[cut], errors[cut - 1] + 0.004 * errors[0]) << cut;
   for (std::size_t cut = 13; cut < errors.size(); ++cut) EXPECT_LT(errors[cut], errors[cut - 13]) << cut;

@@ -84,8 +84,8 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
         bytes_before = bytes.size();
         error_before = error;
       }
-      // Closed loop: whatever error coarser levels left, the finest level has only the error of its own quantizer. Its
-      // step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
+      // Closed loop: whatever error coarser levels left, the finest level has only the error of its own quantizer. The
+      // quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
       EXPECT_LT(error_before, 3.5 * 3.5);
     }
 }

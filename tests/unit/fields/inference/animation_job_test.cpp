@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests jobs of texture inference: they are equal after writing and reading, can be made from folders, and each refusal
+// Tests jobs of texture inference: they are equal after writing and reading, and can be made from folders. Each refusal
 // names the line, the key, the value found and the value expected.
 #include "host/fields/inference/job/animation_job_reading.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a packed field whose textures are waves. It has two objects, and layers of pyramids and bases in both coders.
-// One object changes its texture's size halfway through the views.
+// Makes a packed field whose textures are waves. The field has two objects, and layers of pyramids and bases in both
+// coders. One object changes its texture's size halfway through the views.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ inline InferredObject small_object(const std::string& name, std::vector<std::arr
   return object;
 }
 
-/// Layers: 0 is the ground's diffuse layer (depends only on lights), 1 the ground's glossy layer in two blocks of
-/// views, 2 the board's glossy layer with one block per size. Sample 0 has no texture of layer 2.
+/// Layer 0 is the ground's diffuse layer, which depends only on lights. Layer 1 is the ground's glossy layer in two
+/// blocks of views. Layer 2 is the board's glossy layer with one block per size. Sample 0 has no texture of layer 2.
 inline FieldDescription small_description() {
   FieldDescription description;
   InferredManifest& field = description.field;

@@ -78,8 +78,8 @@ TEST(BrdfTable, FormsAreThoseThatWerePublished) {
   EXPECT_EQ(range_text(brdf_family(BrdfKind::kGgx).members[0]), "a number from 0.05 to 1");
 }
 
-// No density is negative or extends beyond the sphere. It integrates to 1 if its row says so, and fits belong to their
-// row.
+// No density is negative or extends beyond the sphere. A density integrates to 1 if its row says so, and fits belong to
+// their row.
 TEST(BrdfTable, DensitiesAreWhatRowsSay) {
   for (const BrdfFamily& family : brdf_families())
     for (const std::string& text : texts_of(family)) {

@@ -108,8 +108,9 @@ TEST(NormalMapReading, TwoChannelsRebuildZ) {
   }
 }
 
-// A constant blue is filler and not z, however near the other numbers make it. A z of 0 would point down; 1 is near the
-// z of most texels. Covers steepness up to 62 degrees, compression noise on blue, 8 and 16 bits, and floats.
+// A constant blue is filler and not z, even if some vectors happen to have unit length. Blue 0 would point down; blue 1
+// is near the z of most texels. Covers steepness up to 62 degrees, compression noise on blue, 8 and 16 bits, and
+// floats.
 TEST(NormalMapReading, AConstantBlueIsFillerWhereItCompletesNoVector) {
   const TemporaryFolder folder;
   for (const double steepness : {0.15, 0.3, 0.6}) {

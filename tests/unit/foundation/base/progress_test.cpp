@@ -93,7 +93,7 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
         {
           const auto progress = make_terminal_progress(false);
           progress->start(2);
-          std::signal(signal, SIG_DFL);  // LLVM resets it too
+          std::signal(signal, SIG_DFL);  // LLVM does the same
           progress->advance(1);
           std::raise(signal);
           try {

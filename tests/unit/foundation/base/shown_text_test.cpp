@@ -70,7 +70,7 @@ TEST(ShownTextTest, AnyBytesBecomeTextWithoutControls) {
       text += random.next() % 2 == 0 ? kPieces[random.next() % std::size(kPieces)]
                                      : std::string(1, static_cast<char>(random.next()));
     const std::string shown = shown_text(text);
-    // Decodes with another library: nlohmann's throws if the text is not UTF-8.
+    // Decodes with nlohmann's library, which throws if the text is not UTF-8.
     ASSERT_NO_THROW(nlohmann::json(shown).dump()) << i;
     for (std::size_t at = 0; at < shown.size(); ++at) {
       const auto byte = static_cast<unsigned char>(shown[at]);

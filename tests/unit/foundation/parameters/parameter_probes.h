@@ -22,8 +22,8 @@ struct Probe {
   bool is_legal;
 };
 
-/// Visits each row on `surface` with values at, just below and just above each bound, each choice and an unknown
-/// choice, and values of another type.
+/// Visits each row on `surface` with values at, just below and just above each bound, with each choice and an unknown
+/// choice, and with values of another type.
 void for_each_probe(const ParameterTable& table, unsigned surface,
                     const std::function<void(const Parameter&, const Probe&)>& call);
 
