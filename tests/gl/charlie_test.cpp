@@ -137,7 +137,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   EXPECT_LT(highlight.at(200.0), 1.8);
 }
 
-// Compares V at random cosines and at grazing ones, where V is smallest.
+// Compares V n.l at random cosines, and at n.l = 0.
 TEST_F(CharlieTest, VisibilityEqualsItsDouble) {
   std::mt19937 random(53);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -47,7 +47,8 @@ class DrawnLobeTest : public testing::Test {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Two tilts average to a broad mean: Toksvig's single lobe has a large error, one drawn frame is noise around the sum.
+// Two tilts average to a broad mean: Toksvig's single lobe has a large error, but one drawn frame is only noise around
+// the sum.
 TEST_F(DrawnLobeTest, TheMeanOfFramesIsTheSum) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = one_normal_scene();

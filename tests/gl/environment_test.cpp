@@ -219,9 +219,9 @@ double light_of(const FloatImage& image) {
   return sum;
 }
 
-// The errors are those of the approximations. A flat map has them too: 12 % at s = 100, where one lookup falls between
-// two levels and the table scales all light alike. The three highlights of prefiltered levels have errors of 9, 14 and
-// 15 % if the level is wrong by one half. The errors are 8.8, 17 and 2 % if the spread is half as wide.
+// The errors are those of the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
+// between two levels and the table scales all light alike. The three highlights of prefiltered levels have errors of 9,
+// 14 and 15 % if the level is wrong by one half. The errors are 8.8, 17 and 2 % if the spread is half as wide.
 TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   scene_.environment = make_environment_light(make_sky(64, 0.3));

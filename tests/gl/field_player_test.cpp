@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the player's textures: they equal the decoder's at every sample and do not depend on the number of threads.
-// While images are missing there are no holes and no other object's texels. Uploads stay within a frame's bytes, memory
-// within its limit.
+// Tests the player's textures: they equal the textures of the decoder at every sample and do not depend on the number
+// of threads. While images are missing there are no holes and no other object's texels. Uploads stay within a frame's
+// bytes, memory within its limit.
 #include "runtime_gl/animation/field_player.h"
 
 #include <gtest/gtest.h>

@@ -268,8 +268,8 @@ RenderScene plain_scene() {
   return scene;
 }
 
-// Levels left to the normal map are shaded by Toksvig's rule, whatever rule shades the moments. There a pixel sees only
-// what is between texels. From the first stored level on nothing is lost.
+// Levels left to the normal map are shaded by Toksvig's rule, whatever rule shades the moments. On these levels, pixels
+// show the normals between texels. From the first stored level on nothing is lost.
 TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   TestMap map = make_noise_map(64, 0.8f, WrapMode::kPeriodic);
   const MomentMipmap whole = make_moments(map.image, StorageEncoding::kFloat);

@@ -104,8 +104,8 @@ TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
             1e-5);
 }
 
-// Levels finer than the first stored one come from the normal map, as one lobe. From near only these levels are seen: a
-// pixel sees only what is between texels.
+// Levels finer than the first stored one come from the normal map, as one lobe. A near view shows only these levels,
+// and its pixels show the normals between texels.
 TEST_P(ShRenderTest, LevelsThatAreLeftToTheNormalMap) {
   const TestMap map = make_noise_map(16, 1.0f, WrapMode::kPeriodic);
   const ShMipmap whole = make_harmonics(map.image, 4, StorageEncoding::kFloat);

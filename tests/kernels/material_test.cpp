@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests weights of basis BRDFs and roughness in both bakes. Compares EM of shortened normals with double precision,
-// lobe features with values from their mean vectors, and averages; also tests uniform maps.
+// Tests weights of basis BRDFs and roughness in both bakes. Compares EM of shortened normals and averages with double
+// precision, and lobe features with values from the lobes' mean vectors. Also tests uniform maps.
 #include <gtest/gtest.h>
 
 #include <cmath>

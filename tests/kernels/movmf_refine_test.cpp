@@ -65,7 +65,7 @@ double weight_of(const RefinedTexel& texel) {
   return total;
 }
 
-// A texel's place in a level that gives it this number of neighbours, in the order of movmf_refine.cl: left, right,
+// A place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left, right,
 // above, below. In a level that repeats, all four exist.
 struct Place {
   int width, height, x, y;

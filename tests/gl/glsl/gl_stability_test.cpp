@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every numerical case of the GLSL formulas stays within its bound, and exceeds it without its guard, with
-// Mesa's software renderer. Every shader function needs a case that notices when the function is broken. If the
-// environment has MULTUM_STABILITY_JSON=FILE, writes the verdicts to FILE for docs/contributing/STABILITY.md.
+// Tests the numerical cases of the GLSL formulas with Mesa's software renderer. Every case stays within its bound, and
+// exceeds its bound without its guard. Every shader function needs a case that notices when the function is broken. If
+// the environment has MULTUM_STABILITY_JSON=FILE, writes the verdicts to FILE for docs/contributing/STABILITY.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -192,7 +192,7 @@ TEST_F(ViewRefusalTest, WarnsOfASourceThatIsNotRead) {
 }
 
 TEST_F(ViewRefusalTest, LinksNeitherGlNorOpenCl) {
-  // Lists only the program's own libraries: image libraries may pull in more, such as OpenCL through OpenCV.
+  // Lists only libraries that the program names itself: image libraries may load more, such as OpenCL through OpenCV.
   const ChildResult needed = run_child({"readelf", "-d", std::string(MULTUM_BIN_DIR) + "/multum-view"});
   ASSERT_EQ(needed.exit_code, 0);
   EXPECT_NE(needed.output.find("libOpenEXR"), std::string::npos) << needed.output;  // readelf printed the list

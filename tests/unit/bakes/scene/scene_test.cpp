@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests scenes: each refusal by line, the survey of a map against sums texel by texel, and estimates of lobes on maps
-// with known answers. Also tests which levels are seen, and the plans for generated maps.
+// Tests scenes: each refusal with its line, the survey of a map against sums over its texels, and estimates of lobes on
+// maps with known answers. Also tests which levels are seen, and the plans for generated maps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

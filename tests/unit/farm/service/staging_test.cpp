@@ -186,7 +186,7 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "a missing file is not a result";
 }
 
-// While a result is removed, a separate thread repeatedly replaces a folder in it by a link to the user's folder.
+// While a result is removed, a separate thread repeatedly replaces one of its folders by a link to the user's folder.
 TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   const std::string mine = folder_ / "mine", sub = output_ + "/sub", aside = root_ + "/aside";
   std::set<std::string> all;

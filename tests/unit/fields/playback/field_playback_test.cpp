@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests decoding during playback: the images of a point add up to its textures, memory stays within its limit on any
+// Tests decoding during playback: the images of a point add up to its textures, memory stays within its limit on every
 // path, and coarse images come first. Unused images are dropped after a time, and damage loses only its own chunk.
 #include "host/fields/playback/field_playback.h"
 

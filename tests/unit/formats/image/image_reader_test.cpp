@@ -456,7 +456,7 @@ TEST(ImageReaderTest, CutFilesAreRefusedInEveryFormat) {
   }
 }
 
-// Changes one byte at a time. Every result is right except a crash, a hang or an unknown exception.
+// Changes one byte at a time. The reader must not crash, hang or throw an unknown exception.
 TEST(ImageReaderTest, DamagedBytesNeverCrash) {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "a.exr", "a.jpg", "a.webp"}) {

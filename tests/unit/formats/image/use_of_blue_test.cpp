@@ -31,7 +31,7 @@ std::vector<glm::dvec3> tilted_normals(double degrees) {
   return normals;
 }
 
-/// Stores x and y as 0..1, and the value of `blue` for each normal and place.
+/// Makes an image with x and y as 0..1 and the value of `blue` for each normal and place.
 TestImage image_of(const std::vector<glm::dvec3>& normals,
                    const std::function<double(const glm::dvec3&, std::size_t)>& blue) {
   TestImage image{.width = kSide, .height = kSide};

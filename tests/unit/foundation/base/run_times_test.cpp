@@ -52,8 +52,8 @@ TEST(RunTimesTest, ProcessorTimeIsOfAllThreadsAndNotOfSleep) {
   EXPECT_GE(times[1].processor_seconds, 0.04);
 }
 
-// A device's time counts only during the run, as the smallest of all rounds; it counts as work in addition to processor
-// time.
+// A device's time counts only during the run, as the smallest of all rounds. Device time counts as work in addition to
+// processor time.
 TEST(RunTimesTest, TheDevicesClockCountsAsWork) {
   double device = 100.0;  // device time before the run
   int round = 0;

@@ -173,7 +173,7 @@ TEST_F(WorkFolderTest, ClearingFollowsNoLink) {
   EXPECT_FALSE(fs::exists(partial_ + "/sub"));
 }
 
-// The name is given to another folder during the work: the work continues in the opened folder, and nothing else is
+// Another folder gets the name during the work: the work continues in the opened folder, and no other folder is
 // touched.
 TEST_F(WorkFolderTest, ItsNameIsTrustedOnce) {
   {

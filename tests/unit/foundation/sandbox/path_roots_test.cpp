@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests names below roots, and the files that are opened by these names after changes.
+// Tests names below roots, and opening files by these names after the folders have changed.
 #include "host/foundation/sandbox/path_roots.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests documents just within and just beyond every limit, strings and comments that look like structure, and random
-// documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. The document is no
-// deeper and no larger than the limits allow.
+// Tests documents just within and just beyond every limit, and strings and comments that look like structure. Also
+// tests random documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. The
+// document is no deeper and no larger than the limits allow.
 #include "host/foundation/toml/toml_limits.h"
 
 #include <gtest/gtest.h>
