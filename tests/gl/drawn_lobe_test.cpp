@@ -109,8 +109,8 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
         plain[i] = picture_error(image, exact).relative_l1;
         soft[i] = picture_error(blurred(image), exact_blurred).relative_l1;
       }
-      std::printf("%s, frames %d: hashed %.3f, blurred %.3f; blue noise %.3f, blurred %.3f\n", name, frames, plain[0],
-                  soft[0], plain[1], soft[1]);
+      std::printf("%s, frames %d: error of white noise %.3f, blurred %.3f; of blue noise %.3f, blurred %.3f\n", name,
+                  frames, plain[0], soft[0], plain[1], soft[1]);
       EXPECT_LT(soft[1], (frames == 1 ? of_one : of_sixteen) * soft[0]) << name << ", frames " << frames;
       if (frames == 16) EXPECT_LT(plain[1], sixteen) << name;
       else EXPECT_NEAR(plain[1], plain[0], 0.02 * plain[0]) << name;

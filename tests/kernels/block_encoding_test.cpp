@@ -155,8 +155,8 @@ TEST(BlockEncoding, Bc4IsNearTheLeast) {
       EXPECT_GE(errors[b], best - 1e-2) << kind.name << ", block " << b;
       EXPECT_LE(errors[b], std::max(1.5 * best, best + 2.0 * 16.0 / 12.0)) << kind.name << ", block " << b;
     }
-    std::printf("%s: over the least %.4f, of libsquish %.4f\n", kind.name.c_str(), sum_of(errors) / least,
-                of_squish / least);
+    std::printf("%s: error relative to the lowest: ours %.4f, libsquish %.4f\n", kind.name.c_str(),
+                sum_of(errors) / least, of_squish / least);
     EXPECT_LE(sum_of(errors), 1.01 * least) << kind.name;
     EXPECT_LE(sum_of(errors), of_squish) << kind.name;
   }
@@ -246,7 +246,7 @@ TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
     const std::vector<double> errors = errors_of(TexelFormat::kBc7, blocks);
     double searched = 0.0;
     for (const BlockColours& block : blocks) searched += reference::colour_error_by_search(block);
-    std::printf("%s: %.2f a block, over the search's %.3f\n", kind.name.c_str(),
+    std::printf("%s: error %.2f per block, %.3f times that of the search\n", kind.name.c_str(),
                 sum_of(errors) / static_cast<double>(kSearched), sum_of(errors) / searched);
     EXPECT_LE(sum_of(errors), kind.ratio_most * searched) << kind.name;
   }
