@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GLSL of GGX, Cook-Torrance and sums of vMFs against double precision, and what a variant of a shader holds.
+// Compares the GLSL of GGX, Cook-Torrance and sums of vMFs with double precision, and checks what each shader variant
+// contains.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -37,7 +38,7 @@ class BrdfTest : public testing::Test {
   std::unique_ptr<HeadlessContext> context_;
 };
 
-/// A lobe along +z and directions `theta` from it, graded towards 0.
+/// Adds a lobe along +z and directions at angles `theta` from +z; the angles are denser near 0.
 void add_angles(double spread, double theta_max, int count, ShaderHarnessInput& input, std::vector<double>& angles) {
   for (int i = 0; i < count; ++i) {
     const double theta = theta_max * std::pow((i + 0.5) / count, 2.0);
@@ -47,7 +48,7 @@ void add_angles(double spread, double theta_max, int count, ShaderHarnessInput& 
   }
 }
 
-/// Per cent over the hemisphere, weight = solid angle, of angles graded as add_angles() does.
+/// Relative L1 error in per cent over the hemisphere, weighted by solid angle; add_angles() made the angles.
 double relative_l1(const std::vector<double>& angles, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0, total = 0.0;
@@ -67,7 +68,7 @@ std::string terms_expression(const std::vector<VmfTerm>& terms) {
   return "vec4(" + sum + ")";
 }
 
-// The bound that the project sets itself: alpha 0.05 to 0.4, kappa 3 to 2000, at most four terms, within 5 %.
+// The project's own bound: error within 5 % for alpha 0.05 to 0.4, kappa 3 to 2000 and at most four terms.
 TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   double worst[kBrdfTermCountMax] = {};
   for (const double alpha : {0.05, 0.1, 0.2, 0.3, 0.4}) {
@@ -98,7 +99,7 @@ TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   EXPECT_LT(worst[3], worst[2]);
 }
 
-// Rougher than that, of any lobe: what docs/contributing/ALGORITHMS.md states for alpha up to 1.
+// Tests rougher facets over any lobe against the figures of docs/contributing/ALGORITHMS.md for alpha up to 1.
 TEST_F(BrdfTest, RoughGgxOfFourTermsIsWithinItsBound) {
   const std::map<double, double> bounds = {{0.05, 2.0}, {0.2, 2.5},  {0.4, 4.5},   {0.5, 6.5},
                                            {0.6, 9.0},  {0.7, 11.0}, {0.85, 15.0}, {1.0, 22.0}};
@@ -118,12 +119,12 @@ TEST_F(BrdfTest, RoughGgxOfFourTermsIsWithinItsBound) {
       of_alpha = std::max(of_alpha, relative_l1(angles, evaluate(input), exact));
     }
     EXPECT_LT(of_alpha, bound) << "alpha " << alpha;
-    EXPECT_GT(of_alpha, 0.7 * bound) << "the stated bound is too wide, alpha " << alpha;
+    EXPECT_GT(of_alpha, 0.7 * bound) << "the documented bound is too wide, alpha " << alpha;
     std::printf("GGX of alpha %.2f, four terms, kappa 0.5 to 2000: at most %.1f %%\n", alpha, of_alpha);
   }
 }
 
-// Random and hard arguments: narrow and broad, at the peak, at the horizon, grazing.
+// Arguments are random or hard: narrow and broad lobes at the peak, at the horizon and at grazing angles.
 TEST_F(BrdfTest, FormulasEqualTheirDoubles) {
   std::mt19937 random(20261122);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -145,7 +146,7 @@ TEST_F(BrdfTest, FormulasEqualTheirDoubles) {
       ASSERT_NEAR(values[i] / exact(i), 1.0, bound)
           << expression << " a " << input.a[i].x << " " << input.a[i].y << " " << input.a[i].z << " " << input.a[i].w;
   };
-  // A denominator of squares of float, all terms positive.
+  // The denominator is a sum of squares in float; all terms are positive.
   expect(
       "multum_ggx(a.x, a.w)",
       [&](std::size_t i) {
@@ -185,14 +186,14 @@ TEST_F(BrdfTest, HardCases) {
   }
 }
 
-/// A flag, or the beginning of a definition in one of the texts.
+/// Returns whether one of the texts holds `word`: a flag, or the beginning of a definition.
 bool holds(const ShaderSources& sources, const std::string& word) {
   for (const std::string& text : sources.fragment)
     if (text.find("\n" + word) != std::string::npos) return true;
   return std::find(sources.flags.begin(), sources.flags.end(), word) != sources.flags.end();
 }
 
-// A row of the table names files of brdf/, and all of them belong to some row.
+// Each row of the table names files of brdf/, and every file belongs to a row.
 TEST_F(BrdfTest, RowsNameTheShadersThatThereAre) {
   std::set<std::string> named;
   for (const BrdfFamily& family : brdf_families())

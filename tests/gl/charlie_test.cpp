@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charlie over vMF lobes (brdf/charlie.glsl) against quadrature in double: the density, the highlight's cosine, the
-// whole highlight with its visibility, and the sums of vMFs that stand for it where a sum is needed.
+// Compares Charlie over vMF lobes (brdf/charlie.glsl) with quadrature in double: density, cosine, and the whole
+// highlight with visibility. Also compares the sums of vMFs that replace the density where a sum is needed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -50,13 +50,13 @@ glm::dvec3 at_angle(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
-/// Of half vectors `theta` from a lobe along +z.
+/// Adds a lobe along +z and the half vector `h`.
 void add_half_vector(double spread, const glm::dvec3& h, ShaderHarnessInput& input) {
   input.a.emplace_back(0.0, 0.0, 1.0 - spread, 1.0);
   input.b.emplace_back(glm::vec3(h), 0.0f);
 }
 
-// As published: D of the row of the table, of the shader and of the reference are one, and its projection is 1.
+// The table's row, the shader and the reference give the same D as the paper, and the projection of D is 1.
 TEST_F(CharlieTest, ADensityOfOneNormalIsThePapers) {
   for (const double roughness : {0.05, 0.3, 0.7, 1.0}) {
     const Brdf brdf = charlie_of(roughness);
@@ -81,7 +81,7 @@ struct Errors {
   double facets, cosine;  // relative L1
 };
 
-// Of a lobe: what multum_lobe_facets() and the cosine of multum_lobe_highlight() are off by.
+// Returns the errors of multum_lobe_facets() and of the cosine of multum_lobe_highlight() for one lobe.
 Errors errors_over(double roughness, double kappa,
                    const std::function<std::vector<double>(ShaderHarnessInput)>& shade) {
   const double alpha = roughness * roughness, spread = reference::vmf_spread(kappa);
@@ -112,7 +112,7 @@ Errors errors_over(double roughness, double kappa,
   return {off / total, off_cosine / total_cosine};
 }
 
-// What docs/contributing/ALGORITHMS.md states of the density, and of the highlight by the lobe's width.
+// The bounds of docs/contributing/ALGORITHMS.md: of the density, and of the highlight by the lobe's width.
 TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   double worst = 0.0, worst_of_sharp = 0.0;
   std::map<double, double> highlight;
@@ -120,7 +120,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
     for (const double kappa : {0.5, 3.0, 10.0, 40.0, 200.0, 2000.0}) {
       const Errors errors = errors_over(
           roughness, kappa, [&](const ShaderHarnessInput& input) { return evaluate(input, roughness * roughness); });
-      std::printf("roughness %.2f, kappa %g: facets %.2f %% off, highlight %.2f %%\n", roughness, kappa,
+      std::printf("roughness %.2f, kappa %g: error of facets %.2f %%, of the highlight %.2f %%\n", roughness, kappa,
                   100.0 * errors.facets, 100.0 * errors.cosine);
       double& bound = kappa >= 40.0 ? worst_of_sharp : worst;
       bound = std::max(bound, 100.0 * errors.facets);
@@ -128,7 +128,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
     }
   for (const auto& [kappa, error] : highlight) std::printf("kappa %g: highlights at most %.2f %%\n", kappa, error);
   EXPECT_LT(worst, 9.0);
-  EXPECT_GT(worst, 7.0) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 7.0) << "the documented bound is too wide";
   EXPECT_LT(worst_of_sharp, 2.0);
   EXPECT_LT(highlight.at(0.5), 28.5);
   EXPECT_LT(highlight.at(3.0), 15.0);
@@ -137,7 +137,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   EXPECT_LT(highlight.at(200.0), 1.8);
 }
 
-// V at random cosines, and what is left of it at grazing ones.
+// Compares V n.l at random cosines, and at n.l = 0.
 TEST_F(CharlieTest, VisibilityEqualsItsDouble) {
   std::mt19937 random(53);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -168,8 +168,8 @@ TEST_F(CharlieTest, HardCasesAreFinite) {
   }
 }
 
-// The sum of four vMFs that measured errors take, over a lobe: relative L1 over the hemisphere of h,
-// as docs/contributing/ALGORITHMS.md states it by roughness, at most of any lobe and under sharp ones.
+// Tests the sum of four vMFs, which error measurements use, over a lobe: relative L1 error over the hemisphere of h.
+// docs/contributing/ALGORITHMS.md states the error by roughness, as a maximum over all lobes and under sharp lobes.
 TEST(CharlieTerms, AreAsFarOffAsStated) {
   struct Bounds {
     double any, sharp;
@@ -193,12 +193,12 @@ TEST(CharlieTerms, AreAsFarOffAsStated) {
         off += std::sin(theta) * std::abs(std::max(sum, 0.0) - exact);
         total += std::sin(theta) * exact;
       }
-      std::printf("four terms, roughness %.2f, kappa %g: %.1f %% off\n", roughness, kappa, 100.0 * off / total);
+      std::printf("four terms, roughness %.2f, kappa %g: error %.1f %%\n", roughness, kappa, 100.0 * off / total);
       any = std::max(any, 100.0 * off / total);
       if (kappa >= 100.0) sharp = std::max(sharp, 100.0 * off / total);
     }
     EXPECT_LT(any, bounds.any) << roughness;
-    EXPECT_GT(any, 0.8 * bounds.any) << "the stated bound is too wide, roughness " << roughness;
+    EXPECT_GT(any, 0.8 * bounds.any) << "the documented bound is too wide, roughness " << roughness;
     EXPECT_LT(sharp, bounds.sharp) << roughness;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contexts and the function table.
+// Tests GL contexts and the function table.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -46,7 +46,7 @@ TEST_P(ContextTest, ExtensionsAreWholeNames) {
   EXPECT_FALSE(has_gl_extension(context->functions(), "GL_EXT_texture_filter"));
 }
 
-// With debug output a driver waits for each call, and whatever is timed takes longer.
+// With debug output a driver waits for each call, so that timings grow.
 TEST_P(ContextTest, DebugOutputIsOnOnlyWhereItIsWanted) {
   for (const DebugOutput debug : {DebugOutput::kOff, DebugOutput::kOn}) {
     const auto context = make_headless_context(GetParam(), debug);
@@ -65,11 +65,11 @@ TEST_P(ContextTest, DebugOutputIsOnOnlyWhereItIsWanted) {
 #endif
 }
 
-// An error that the driver raises once a program is linked: the program goes with the exception.
+// The driver raises an error once a program is linked; the exception must delete the program.
 GLenum raised_error = GL_NO_ERROR;
 GLenum APIENTRY raise_error() { return std::exchange(raised_error, static_cast<GLenum>(GL_NO_ERROR)); }
 int programs_made = 0, shaders_made = 0;
-GlFunctions counted_functions;  // as the context has them
+GlFunctions counted_functions;  // the context's own functions, with counters
 GLuint APIENTRY count_program() { return ++programs_made, counted_functions.CreateProgram(); }
 void APIENTRY discount_program(GLuint id) { --programs_made, counted_functions.DeleteProgram(id); }
 GLuint APIENTRY count_shader(GLenum stage) { return ++shaders_made, counted_functions.CreateShader(stage); }
@@ -118,7 +118,7 @@ TEST(Context, NamesRoundTrip) {
   EXPECT_FALSE(find_choice(kContextBackends, "glx").has_value());
 }
 
-// A driver of version 3.3 that lacks everything else.
+// A fake driver of version 3.3 without any other feature.
 GLint fake_major = 3;
 const char* fake_missing = "";
 void APIENTRY fake_get_integer(GLenum name, GLint* value) { *value = name == GL_MAJOR_VERSION ? fake_major : 5; }
@@ -147,7 +147,7 @@ TEST(Loader, RefusesOldVersionsAndMissingFunctions) {
   EXPECT_EQ(load_failure(), "the GL driver has no function glDrawElements");
 }
 
-// EGL of three displays: the first two give contexts of drivers that are of no use, the last one a good one.
+// A fake EGL with three displays: the first two give contexts of unusable drivers, the last one a usable context.
 EGLDisplay fake_displays[3];
 EGLDisplay fake_current = EGL_NO_DISPLAY;
 int fake_contexts = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One normal a pixel and frame, drawn from the lobes, as renderers take it that keep one normal: what the mean of
-// frames is off by from the sum over lobes, and what one frame is.
+// Tests drawing one normal per pixel and frame from the lobes, for renderers that keep one normal. Compares the mean
+// over frames with the sum over lobes, and checks a single frame.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -14,7 +14,7 @@
 namespace multum::gl {
 namespace {
 
-/// What the taps of a texture's filter return is averaged before a normal is drawn: one for all of them.
+/// A scene that draws one normal per pixel; the taps of the texture filter are averaged before the normal is drawn.
 RenderScene one_normal_scene() {
   RenderScene scene = distant_scene();
   scene.filter.shades_taps = false;
@@ -47,7 +47,8 @@ class DrawnLobeTest : public testing::Test {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Two tilts that average to a broad mean: Toksvig's one lobe is far off, one drawn frame is noise around the truth.
+// Two tilts average to a broad mean: Toksvig's single lobe has a large error, but one drawn frame is only noise around
+// the sum.
 TEST_F(DrawnLobeTest, TheMeanOfFramesIsTheSum) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = one_normal_scene();
@@ -66,7 +67,7 @@ TEST_F(DrawnLobeTest, TheMeanOfFramesIsTheSum) {
   EXPECT_LT(sixteen, one_lobe);
 }
 
-/// Weighed 1 4 6 4 1 along each axis, the border left out: a denoiser of no knowledge, or an eye from farther away.
+/// Blurs with weights 1 4 6 4 1 along each axis and drops the border: a simple denoiser, or an eye from farther away.
 FloatImage blurred(const FloatImage& image) {
   constexpr int kWeights[] = {1, 4, 6, 4, 1};
   FloatImage result{image.width - 4, image.height - 4, {}};
@@ -83,13 +84,13 @@ FloatImage blurred(const FloatImage& image) {
   return result;
 }
 
-// Blue noise beside white, which is a hash of the pixel: as far off where each pixel of a frame is looked at by itself,
-// less where neighbours are averaged. docs/contributing/ALGORITHMS.md states these bounds.
+// Compares blue noise with white noise (a hash of the pixel). Single pixels have the same error with both; averages
+// over neighbours have a lower error with blue noise. docs/contributing/ALGORITHMS.md states these bounds.
 TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   struct Map {
     const char* name;
     TestMap map;
-    double of_one, of_sixteen;  // blurred: at most this part of what a hash leaves
+    double of_one, of_sixteen;  // blurred: largest error relative to that of a hash
     double sixteen;             // relative L1 of the mean of 16 frames, not blurred
   };
   const Map maps[] = {{"two tilts", make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false), 0.3, 0.4, 0.06},
@@ -108,8 +109,8 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
         plain[i] = picture_error(image, exact).relative_l1;
         soft[i] = picture_error(blurred(image), exact_blurred).relative_l1;
       }
-      std::printf("%s, frames %d: hashed %.3f, blurred %.3f; blue noise %.3f, blurred %.3f\n", name, frames, plain[0],
-                  soft[0], plain[1], soft[1]);
+      std::printf("%s, frames %d: error of white noise %.3f, blurred %.3f; of blue noise %.3f, blurred %.3f\n", name,
+                  frames, plain[0], soft[0], plain[1], soft[1]);
       EXPECT_LT(soft[1], (frames == 1 ? of_one : of_sixteen) * soft[0]) << name << ", frames " << frames;
       if (frames == 16) EXPECT_LT(plain[1], sixteen) << name;
       else EXPECT_NEAR(plain[1], plain[0], 0.02 * plain[0]) << name;
@@ -117,7 +118,7 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   }
 }
 
-// Broad lobes: normals are drawn from within them.
+// Normals are drawn from the inside of broad lobes.
 TEST_F(DrawnLobeTest, TheMeanOfBroadLobesIsTheSum) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene = one_normal_scene();

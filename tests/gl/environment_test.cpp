@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light from everywhere: brute force against a sum over the environment's texels in double precision, and both ways of
-// filtering it against brute force.
+// Tests light from an environment: brute force against a sum over the environment's texels in double precision, and
+// both ways of filtering against brute force.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -27,7 +27,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kWidth = 24, kHeight = 18;
 
-/// A blue sky, brown ground, and a soft sun of `size` radians.
+/// Makes a blue sky over brown ground, with a soft sun of `size` radians.
 EnvironmentMap make_sky(int height, double size) {
   EnvironmentMap map{2 * height, height, {}};
   const glm::dvec3 sun = glm::normalize(glm::dvec3(0.3, 0.6, -0.8));
@@ -54,10 +54,10 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
     scene_.uv_scale = 60.0f;
   }
   void TearDown() override {
-    if (context_ == nullptr) return;  // none could be made
+    if (context_ == nullptr) return;  // no context could be made
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
-  // Highlights alone, under a sky.
+  // Selects highlights without diffuse light, under a sky.
   void make_glossy(float exponent) {
     scene_.environment = make_environment_light(make_sky(64, 0.3));
     scene_.brdf.diffuse = glm::vec3(0.0f);
@@ -79,7 +79,7 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
   RenderScene scene_;
 };
 
-/// The plane's point in the middle of pixel (x, y) sees this much light, facing up: the sum over every texel.
+/// Returns the radiance towards `v` of the plane's point in the middle of the picture: the sum over every texel.
 glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, const glm::dvec3& v) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < map.height; ++y)
@@ -105,7 +105,7 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, c
   return sum;
 }
 
-// Seen from above, what lies ahead over the plane, +Y, comes to lie to the left, -X.
+// Seen from above, the direction ahead over the plane, +Y, turns to the left, -X.
 TEST(EnvironmentAxes, TurnCounterclockwise) {
   RenderScene scene;
   const std::array<glm::vec3, 3> before = environment_axes(scene);
@@ -118,7 +118,7 @@ TEST(EnvironmentAxes, TurnCounterclockwise) {
   EXPECT_EQ(turned[1], before[1]);
 }
 
-// Behind what is drawn lies the sky that lights it, whichever way the camera looks.
+// The background is the sky that lights the scene, whichever way the camera looks.
 TEST(EnvironmentBackground, IsTheSkyThatLightsTheScene) {
   const EnvironmentMap map = make_sky(256, 0.3);
   RenderScene scene;
@@ -138,7 +138,7 @@ TEST(EnvironmentBackground, IsTheSkyThatLightsTheScene) {
           const glm::vec4 far = inverse * glm::vec4(2.0f * (static_cast<float>(x) + 0.5f) / kWidth - 1.0f,
                                                     1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / kHeight, 1.0f, 1.0f);
           const glm::dvec3 w = glm::normalize(glm::dvec3(glm::vec3(far) / far.w - scene.camera.eye));
-          // The inverse of what exact_radiance() has; with +Y up world and map are the same.
+          // Inverts the rotation of exact_radiance(); with +Y up, the world's axes equal the map's axes.
           const glm::dvec2 st = environment_coordinates(is_z_up ? glm::dvec3(w.x, w.z, -w.y) : w);
           const auto texel = static_cast<std::size_t>(std::min(st.y * map.height, map.height - 1.0)) *
                                  static_cast<std::size_t>(map.width) +
@@ -151,7 +151,7 @@ TEST(EnvironmentBackground, IsTheSkyThatLightsTheScene) {
           }
           EXPECT_EQ(image.rgba[pixel + 3], 1.0f);
         }
-      // A nearest texel and four samples of a pixel differ at the horizon and on the sun.
+      // The nearest texel and a mean of four samples per pixel differ at the horizon and on the sun.
       EXPECT_LT(off / total, 0.03) << is_z_up << " " << view.x << " " << view.y << " " << view.z;
     }
   }
@@ -189,13 +189,13 @@ TEST_P(EnvironmentTest, BruteForceIsTheSumOverTheTexels) {
         total += exact[c];
       }
     }
-    // 2048 directions a pixel, of which those near the sun carry most of the light.
+    // Each pixel takes 2048 directions; the directions near the sun carry most of the light.
     EXPECT_LT(off / total, 0.02) << "BRDF " << static_cast<int>(kind);
   }
 }
 
 TEST_P(EnvironmentTest, ConstantLightIsFilteredExactly) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   EnvironmentMap white = make_sky(32, 0.2);
   std::fill(white.texels.begin(), white.texels.end(), glm::vec3(1.0f));
   scene_.environment = make_environment_light(white);
@@ -205,7 +205,7 @@ TEST_P(EnvironmentTest, ConstantLightIsFilteredExactly) {
     scene_.brdf.exponent = 30.0f;
     scene_.brdf.sigma = 0.2f;
     scene_.brdf.f0 = glm::vec3(0.3f);
-    const FloatImage exact = reference(map, 256);  // counts the two kinds of texels to about 1.5 %
+    const FloatImage exact = reference(map, 256);  // estimates the shares of both kinds of texels to about 1.5 %
     for (const EnvironmentMode mode : {EnvironmentMode::kHarmonics, EnvironmentMode::kPrefiltered})
       EXPECT_LT(picture_error(lobes(map, mode), exact).relative_l1, 0.03)
           << "BRDF " << static_cast<int>(kind) << " mode " << static_cast<int>(mode);
@@ -219,11 +219,11 @@ double light_of(const FloatImage& image) {
   return sum;
 }
 
-// Errors are those of the approximations, which a flat map has too (12 % at s = 100: one lookup between two levels, and
-// as much light as the table says, wherever it falls). Levels that are half a level off have 9, 14 and 15 %, a spread
-// that is half as wide 8.8, 17 and 2 %, in the order of the three highlights of prefiltered levels.
+// The errors are those of the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
+// between two levels and the table scales all light alike. The three highlights of prefiltered levels have errors of 9,
+// 14 and 15 % if the level is wrong by one half. The errors are 8.8, 17 and 2 % if the spread is half as wide.
 TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   scene_.environment = make_environment_light(make_sky(64, 0.3));
   const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   const auto error = [&](EnvironmentMode mode, const FloatImage& exact) {
@@ -248,27 +248,27 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   const FloatImage sharp = reference(map, 512);
   EXPECT_LT(error(EnvironmentMode::kPrefiltered, sharp), 0.12);  // 10.4 %
   EXPECT_NEAR(light(EnvironmentMode::kPrefiltered, sharp), 1.0, 0.05);
-  // Harmonics to order 8 are too smooth for it: what the other way is for.
+  // Harmonics up to order 8 are too smooth for a sharp highlight; prefiltered levels follow it.
   EXPECT_GT(error(EnvironmentMode::kHarmonics, sharp), error(EnvironmentMode::kPrefiltered, sharp));
 }
 
-// A plane that is all but a mirror shows the map itself; its texels, of 3 degrees, blend in one and not in the other.
+// A nearly perfect mirror shows the map. Texels of 3 degrees blend in one picture and not in the other.
 TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(30000.0f);
   const TestMap flat = make_flat_map(4);
   EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), reference(flat, 64)).relative_l1, 0.03);  // 2.0 %
 }
 
-// Where normals spread the highlight wide, it is 3 x 3 lookups: 8.2 % off. Of parts that lie close together, 13.6 %.
+// A highlight spread wide by the normals takes 3 x 3 lookups: the error is 8.2 %, or 13.6 % with lookups too close.
 TEST_P(EnvironmentTest, WideHighlightsAreFollowed) {
-  if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(40.0f);
   const TestMap noise = make_noise_map(16, 0.3f, WrapMode::kPeriodic);
   EXPECT_LT(picture_error(lobes(noise, EnvironmentMode::kPrefiltered), reference(noise, 256)).relative_l1, 0.10);
 }
 
-// The BRDF's width is in the lengths of rough normals, and no matter of diffuse light.
+// The lengths of rough normals hold the BRDF's width, which does not change diffuse light.
 TEST_P(EnvironmentTest, DiffuseLightIsWithoutRoughness) {
   scene_.environment = make_environment_light(make_sky(64, 0.3));
   scene_.brdf.specular = glm::vec3(0.0f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pixel's budget of evaluations (shaders/common/evaluations.glsl, scene.frag): spent on points or on lobes.
+// Tests a pixel's budget of evaluations (shaders/common/evaluations.glsl, scene.frag), spent on points or on lobes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ TextureFilter filter_of(int evaluations, bool is_turned = false) {
   return filter;
 }
 
-// A strip of a cylinder about Y whose normals turn from -60 to 60 degrees, as flat triangles between two edges.
+// Makes a strip of a cylinder about Y: flat triangles between two edges, normals that turn from -60 to 60 degrees.
 MeshData turning_quad(float size) {
   MeshData data;
   for (const float side : {-1.0f, 1.0f})
@@ -42,7 +42,7 @@ MeshData turning_quad(float size) {
   return data;
 }
 
-// Of turning_quad(6).
+// The scene that draws turning_quad(6).
 RenderScene turning_scene() {
   RenderScene scene;
   scene.camera.eye = {0.0f, 3.0f, 30.0f};
@@ -92,14 +92,14 @@ TEST_P(EvaluationsTest, AFlatMapIsTheSameByAnyBudget) {
   scene.brdf.exponent = 20.0f;
   for (const auto& material : materials) {
     const FloatImage usual = drawn(*material, scene, filter_of(0));
-    // Each is a program of its own, which takes drivers a second to compile.
+    // Each filter needs its own program, which takes drivers a second to compile.
     for (const TextureFilter& filter : {filter_of(2), filter_of(16, true)})
       EXPECT_LT(error_of(drawn(*material, scene, filter), usual), 2e-3)
           << material->name() << ", " << filter.evaluations;
   }
 }
 
-// Averaged normals gain from points, and the more the better; lobes of steep bumps do not need them.
+// More points lower the error of averaged normals; lobes of steep bumps do not need them.
 TEST_P(EvaluationsTest, PointsAreNearer) {
   const TestMap map = make_noise_map(64, 0.3f, WrapMode::kPeriodic);
   RenderScene scene = distant_scene();
@@ -116,7 +116,7 @@ TEST_P(EvaluationsTest, PointsAreNearer) {
   }
 }
 
-// Two tilts are two lobes. A budget for both spends itself on them; that of one evaluation adds them up to one lobe.
+// Two tilts are two lobes. A budget of two shades both; a budget of one adds them up to one lobe.
 TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
   const TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -124,13 +124,13 @@ TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
   const FloatImage usual = drawn(lobes, scene, filter_of(0));
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(2)), usual), 1e-3);
   EXPECT_GT(error_of(drawn(lobes, scene, filter_of(1)), usual), 0.05);
-  // Tilts of half a degree are alike: 1 - |r| is 4e-5. Points then have one lobe each, which changes next to nothing.
+  // Tilts of half a degree are alike: 1 - |r| is 4e-5. With points each has one lobe, and the picture hardly changes.
   const TestMap alike = make_two_tilt_map(16, 0.5, StorageEncoding::kFloat, false);
   const MovmfMaterial narrow(context_->functions(), alike.mipmap, 1.0f);
   EXPECT_LT(error_of(drawn(narrow, scene, filter_of(2)), drawn(narrow, scene, filter_of(0))), 0.01);
 }
 
-// Four tilts, two by two 2 degrees apart: two evaluations add up those that are alike, and lose next to nothing.
+// Four tilts form two pairs, 2 degrees apart within a pair. Two evaluations add up each pair and lose almost nothing.
 TEST_P(EvaluationsTest, LobesThatAreAlikeAreAddedUpFirst) {
   TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
   for (MovmfLevel& level : map.mipmap.levels) {
@@ -151,8 +151,8 @@ TEST_P(EvaluationsTest, LobesThatAreAlikeAreAddedUpFirst) {
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(kEvaluationsOfLobes)), usual), 1e-6);
 }
 
-// Averaged normals, Toksvig's and LEAN's on a mesh whose normals turn by 120 degrees in a few pixels: with the variance
-// of that they are nearer.
+// Draws averaged normals, Toksvig's rule and LEAN on a mesh whose normals turn by 120 degrees within a few pixels.
+// Adding the variance of the mesh's normals lowers their errors.
 TEST_P(EvaluationsTest, WhatHasNoLobesWidensWhereTheMeshTurns) {
   const TestMap map = make_flat_map(16);
   mesh_ = std::make_unique<Mesh>(context_->functions(), turning_quad(6.0f));
@@ -164,13 +164,13 @@ TEST_P(EvaluationsTest, WhatHasNoLobesWidensWhereTheMeshTurns) {
     const double without = error_of(drawn(averages, scene, filter_of(0)), exact);
     EXPECT_LT(error_of(drawn(averages, scene, filter_of(0, true)), exact), 0.8 * without) << static_cast<int>(baseline);
   }
-  // Of a quarter of the pixel there is a quarter of the variance.
+  // A quarter of a pixel has a quarter of the variance.
   averages.set_baseline(Baseline::kMip);
   const double without = error_of(drawn(averages, scene, filter_of(4)), exact);
   EXPECT_LT(error_of(drawn(averages, scene, filter_of(4, true)), exact), 0.8 * without);
 }
 
-// Where a mesh's normals turn within a pixel, lobes of several places have that in them, each in the frame of its own.
+// Where the mesh's normals turn within a pixel, lobes of several points each use the frame of their own point.
 TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
   const TestMap map = make_flat_map(16);
   mesh_ = std::make_unique<Mesh>(context_->functions(), turning_quad(6.0f));

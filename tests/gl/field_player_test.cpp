@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The player's textures: those of the decoder at every sample, never a hole or another object's while images are still
-// missing, the same for any number of threads; uploads within a frame's bytes, memory within its limit.
+// Tests the player's textures: they equal the textures of the decoder at every sample and do not depend on the number
+// of threads. While images are missing there are no holes and no other object's texels. Uploads stay within a frame's
+// bytes, memory within its limit.
 #include "runtime_gl/animation/field_player.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
   static std::vector<double> point(std::size_t sample) {
     return {static_cast<double>(sample / testing::kFieldLights), static_cast<double>(sample % testing::kFieldLights)};
   }
-  /// What unpacking makes of a layer at a sample; nothing where there is none.
+  /// Unpacks a layer at a sample; empty if the sample has no such layer.
   std::vector<float> unpacked(PackedFieldFile& file, std::size_t layer, std::size_t sample) const {
     const PackedLayer& described = description_.layers[layer];
     if (!described.is_seen(sample)) return {};
@@ -40,7 +41,7 @@ class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
     }
     return values;
   }
-  /// Textures of all objects, in the order of layers that are drawn.
+  /// Returns the textures of all objects, in the order of the drawn layers.
   std::vector<std::vector<float>> all_texels(const FieldPlayer& player) const {
     std::vector<std::vector<float>> all;
     for (std::size_t object = 0; object < description_.field.objects.size(); ++object)
@@ -57,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Contexts, FieldPlayerTest, ::testing::ValuesIn(test_bac
 
 TEST_P(FieldPlayerTest, TexturesAreThoseOfUnpacking) {
   PackedFieldFile file(path());
-  for (const bool is_linear : {false, true}) {  // whole textures of workers, and sums that the GPU makes of images
+  for (const bool is_linear : {false, true}) {  // whole textures by workers, or sums of images by the GPU
     PlayerSettings settings;
     settings.waits = true;
     settings.is_linear = is_linear;
@@ -81,7 +82,7 @@ TEST_P(FieldPlayerTest, TexturesAreThoseOfUnpacking) {
           continue;
         }
         ASSERT_EQ(found[t].size(), expected[t].size());
-        // Images as halves are off by 1/16 of 255 at most each, radiance by 2.2 times that in proportion.
+        // Half floats change images by at most 1/16 of 255 each, and radiance by 2.2 times that share.
         for (std::size_t i = 0; i < found[t].size(); ++i)
           ASSERT_NEAR(found[t][i], expected[t][i], 2e-3f * expected[t][i] + 2e-4f);
       }
@@ -108,7 +109,7 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
         old += report.layers[l].is_old ? 1 : 0;
         drawn += report.layers[l].is_drawn ? 1 : 0;
       }
-      // One image of each layer may come in any case.
+      // One image of each layer is always uploaded.
       EXPECT_LE(report.uploaded_bytes, settings.upload_max + drawn * 90 * 52 * 8);
       missing += missing_now;
       const auto shown = all_texels(player);
@@ -128,7 +129,7 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
       ++t;
     }
   }
-  EXPECT_GT(missing, 0u) << "nothing was ever late: the test saw nothing";
+  EXPECT_GT(missing, 0u) << "no texture was ever late, so that nothing was tested";
 }
 
 TEST_P(FieldPlayerTest, AnyNumberOfThreadsGivesTheSameTextures) {
@@ -159,7 +160,7 @@ TEST_P(FieldPlayerTest, MemoryHoldsOrIsSaidToBeTooLittle) {
   for (int frame = 0; frame < 60; ++frame) player.prepare(point(random.next() % 24), {point(random.next() % 24)});
   EXPECT_LE(player.counts().bytes_most, settings.playback.memory_max);
   settings.is_linear = true;
-  FieldDescription large = description_;  // textures that are drawn would not fit
+  FieldDescription large = description_;  // the drawn textures would not fit
   large.field.objects[1].mappings[1].width = large.field.objects[1].mappings[1].height = 600;
   testing::write_packed(large, testing::small_chunks(description_), path());
   testing::expect_error(ErrorCode::kEnvironment, {"drawing takes", "allow more memory"},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter matrix is what the GL does: A times a texture is the picture of that texture; and it is the matrix that
-// slower ways of measuring find.
+// Tests that the filter matrix equals what the GL does: A times a texture is the picture of that texture, and slower
+// ways of measuring find the same matrix.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Sampling {
   int supersampling;
 };
 
-// A context with the waves, object 0, partly behind a board.
+// Holds a context and the waves, object 0, partly hidden by a board.
 class Waves {
  public:
   explicit Waves(float repeats)
@@ -59,7 +59,7 @@ TEST_P(FilterProbeTest, TimesATextureIsThePictureOfIt) {
   const ProbeCase one = waves.make_case(sampling, 160, 120);
   const FilterMatrix matrix = probe(one, sampling.supersampling);
   const std::vector<float> texels = random_texels(matrix.layout().texel_count, 99991);
-  // Red is the waves alone: the board is black.
+  // Only the waves are red; the board is black.
   const FloatImage picture = draw_texels(one, sampling.supersampling, texels);
   double worst = 0.0;
   for (std::size_t r = 0; r < matrix.row_count(); ++r) {
@@ -118,7 +118,7 @@ TEST(FilterProbe, AgreesWithTextureQueryLod) {
   for (const WrapMode wrap : {kClamp, kPeriodic}) {
     const Waves waves(wrap == kPeriodic ? 2.0f : 1.0f);
     const ProbeCase one = waves.make_case({150, 128, wrap, wrap, {}, 1}, 160, 120);
-    // The coordinate comes back in single precision: 1e-7 of 150 texels.
+    // The coordinate comes back in single precision: an error of 1e-7 times 150 texels.
     EXPECT_LE(largest_difference(rows_of(probe(one, 1)), rows_by_query_lod(one)),
               filter_tolerance(waves.context(), 1e-4, 1e-2))
         << wrap_mode_name(wrap);
@@ -143,7 +143,7 @@ TEST(FilterProbe, AnObjectOutOfSightHasNoRows) {
   EXPECT_EQ(matrix.row_begin, std::vector<std::uint32_t>{0});
 }
 
-// Any `span` neighbours have different classes, across the seam too.
+// Any `span` neighbours have different classes, also across the seam.
 TEST(TexelBlocks, NeighboursDiffer) {
   for (int span = 2; span <= 20; ++span)
     for (int count = 1; count <= 130; ++count) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shader of docs/reference/file_format.md, "In GLSL", as it stands there: what is to be pasted is pasted as the
-// page says, compiled by a driver under the page's version of GLSL, and a pixel compared with the integral over
+// Tests the shader of docs/reference/file_format.md, "In GLSL", exactly as printed. The page's texts are pasted as the
+// page says and compiled by a driver under the page's version of GLSL. A pixel is compared with the integral over
 // normals.
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ std::string source_file(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The text behind the heading, up to the next one.
+/// Returns the text from the heading to the next one.
 std::string section(const std::string& heading) {
   const std::string page = source_file("docs/reference/file_format.md");
   const std::size_t begin = page.find("\n### " + heading + "\n");
@@ -35,7 +35,7 @@ std::string section(const std::string& heading) {
   return page.substr(begin + 1, page.find("\n### ", begin + 1) - begin);
 }
 
-/// Everything of the numbered list, in its order. `is_es`: the other version line that it offers.
+/// Joins all code of the numbered list in its order. `is_es` selects the other version line of the list.
 std::string pasted(bool is_es) {
   const std::string text = section("In GLSL");
   const std::regex item("\n([1-4])\\. ([^\n]*)"), code("`([^`]+)`");
@@ -69,7 +69,7 @@ GLuint compiled(const GlFunctions& gl, GLenum stage, const std::string& text) {
   return shader;
 }
 
-/// Of the pasted fragment shader, drawn over all the picture with the one `uv`.
+/// Links the pasted fragment shader with a triangle that covers the picture with one `uv`.
 GLuint linked(const GlFunctions& gl, bool is_es) {
   const std::string version = is_es ? "#version 300 es\n" : "#version 330 core\n";
   const GLuint vertex = compiled(gl, GL_VERTEX_SHADER,
@@ -90,7 +90,7 @@ GLuint linked(const GlFunctions& gl, bool is_es) {
   return program;
 }
 
-// What is drawn: two texels, of two lobes each, and a pixel midway between them.
+// The drawn map: two texels of two lobes each, and a pixel midway between them.
 struct Lobe {
   glm::dvec3 mean;  // a r
   double amplitude;
@@ -175,7 +175,7 @@ TEST(FormatPage, ItsShaderShadesAsTheIntegralDoes) {
       check_gl(gl, "the page's shader");
       const FloatImage image = framebuffer.read();
       gl.DeleteProgram(program);
-      // Lambert's fit is off by 0.22 % at most, the highlight's at s = 40 by 0.5 %.
+      // Lambert's fit has an error of at most 0.22 %, and the highlight's fit at s = 40 one of 0.5 %.
       for (glm::length_t c = 0; c < 3; ++c)
         EXPECT_NEAR(static_cast<double>(image.rgba[static_cast<std::size_t>(c)]) / expected[c], 1.0, 0.006) << c;
       EXPECT_EQ(image.rgba[3], 1.0f);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX over vMF lobes as one term from a table (host/formats/brdf/ggx_lobe.h, brdf/ggx_lobe.glsl) against quadrature:
-// all roughnesses, lobes from single directions to the whole sphere.
+// Compares GGX over vMF lobes as one term from a table (host/formats/brdf/ggx_lobe.h, brdf/ggx_lobe.glsl) with
+// quadrature, for all roughnesses and for lobes from single directions to the whole sphere.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ class GgxLobeTest : public testing::Test {
     table_.emplace(make_ggx_lobe_texture(context_->functions()));
   }
 
-  /// Of MULTUM_GGX, roughness squared in `alpha`.
+  /// Evaluates MULTUM_GGX with alpha = roughness squared.
   std::vector<double> evaluate(ShaderHarnessInput& input, float alpha) {
     input.flags = {"MULTUM_GGX"};
     input.formulas = brdf_shader_text("ggx_lobe.glsl");
@@ -52,7 +52,7 @@ class GgxLobeTest : public testing::Test {
   std::optional<Texture> table_;
 };
 
-/// Angles from the lobe's mean, and the solid angle that each stands for: denser near 0.
+/// Angles from the lobe's mean and the solid angle of each ring; rings are denser near 0.
 struct Rings {
   std::vector<double> angles, weights;
 };
@@ -62,7 +62,7 @@ Rings rings_of(double width) {
   constexpr int kCount = 96;
   const double least = 0.02 * std::min(width, 1.0);
   for (int i = 0; i < kCount; ++i) {
-    // From `least` on evenly in the logarithm.
+    // Steps are even in the logarithm, starting at `least`.
     const double step = std::log(kPi / least) / kCount, begin = least * std::exp(i * step);
     const double middle = begin * std::exp(0.5 * step);
     rings.angles.push_back(middle);
@@ -98,20 +98,20 @@ TEST_F(GgxLobeTest, IsNearTheExactConvolutionAtEveryRoughness) {
     worst = std::max(worst, of_roughness);
   }
   EXPECT_LT(worst, 4.5);
-  EXPECT_GT(worst, 3.5) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 3.5) << "the documented bound is too wide";
 }
 
-// The quadrature that the table is fitted to, against the one that is written for being obviously right.
+// Compares the quadrature that the table is fitted to with a second, simpler quadrature.
 TEST_F(GgxLobeTest, FitsAreToTheReference) {
   for (const double alpha : {0.01, 0.1, 0.5, 1.0})
     for (const double kappa : {0.3, 5.0, 80.0, 2000.0})
       for (const double theta : {0.0, 0.02, 0.3, 1.2, 1.5}) {
         const double exact = reference::convolved_ggx(alpha, kappa, theta);
-        // What the reference's midpoint rule is off by.
+        // The error of the reference's midpoint rule.
         EXPECT_NEAR(convolved_ggx_facets(alpha, kappa, theta) / exact, 1.0, 3e-4)
             << "alpha " << alpha << " kappa " << kappa << " theta " << theta;
       }
-  EXPECT_NEAR(convolved_ggx_facets(1.0, 2000.0, 0.02) * kPi, 1.0, 1e-9) << "facets that are alike in all directions";
+  EXPECT_NEAR(convolved_ggx_facets(1.0, 2000.0, 0.02) * kPi, 1.0, 1e-9) << "facets of equal density in all directions";
 }
 
 TEST_F(GgxLobeTest, ALobeOfOneNormalIsGgx) {
@@ -126,7 +126,7 @@ TEST_F(GgxLobeTest, ALobeOfOneNormalIsGgx) {
       input.a.emplace_back(0.0, 0.0, 1.0, 1.0);
       input.b.emplace_back(std::sin(theta), 0.0, std::cos(theta), 0.0);
     }
-    // Halves in the table, a tenth of a per cent each; of alpha 1 the filter reaches beyond what there is.
+    // The table holds half floats, with errors of 0.1 % each; at alpha 1 the filter reaches beyond the table.
     for (const double ratio : evaluate(input, static_cast<float>(alpha)))
       ASSERT_NEAR(ratio, 1.0, roughness < 1.0 ? 0.01 : 0.06) << "roughness " << roughness;
   }
@@ -148,13 +148,13 @@ TEST_F(GgxLobeTest, DoublesAreWhatShadersCompute) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double spread = static_cast<double>(input.a[i].x), e = static_cast<double>(input.a[i].y);
       const double exact = ggx_lobe_density(ggx_lobe_shape(alpha, spread), alpha, spread, e);
-      // Filters of textures have eight bits of a place between texels, or more.
+      // Texture filters resolve a place between two texels with eight bits or more.
       ASSERT_NEAR(values[i], exact, 0.02 * exact + 1e-6) << "d " << spread << " e " << e;
     }
   }
 }
 
-// The whole highlight, with visibility, of any lobes under any light and view above the surface.
+// Tests the whole highlight with visibility, for random lobes, with light and view above the surface.
 TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
   std::mt19937 random(28);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -179,14 +179,14 @@ TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
       const glm::dvec3 light(input.b[i]);
       const double exact = GgxOverLobe(glm::dvec4(input.a[i]), static_cast<double>(alpha))
                                .specular(light, view, glm::normalize(light + view));
-      // As above; and floats: |r| is known to 1e-7, of which the least spread here is a thousandth.
+      // The filter's eight bits again, and float: |r| is known to 1e-7, one thousandth of the smallest spread here.
       ASSERT_NEAR(values[i], exact, 0.03 * exact + 1e-5) << i << ", roughness " << roughness;
     }
   }
 }
 
-// With the cosine of the light: integral GGX(n . h) vMF(n) max(n . l, 0) dn, relative L1 over h and l above the lobe's
-// horizon, as bright as they are.
+// Tests integral GGX(n . h) vMF(n) max(n . l, 0) dn, with the cosine of the light. Errors are relative L1 over h and l
+// above the lobe's horizon, weighted by brightness.
 TEST_F(GgxLobeTest, TheHighlightsCosineIsNear) {
   double worst = 0.0;
   for (const double roughness : {0.1, 0.25, 0.5, 0.75, 1.0})
@@ -218,28 +218,28 @@ TEST_F(GgxLobeTest, TheHighlightsCosineIsNear) {
         off += std::abs(highlights[i] / densities[i] - exact_cosines[i]) * weights[i];
         total += exact_cosines[i] * weights[i];
       }
-      std::printf("roughness %.2f, kappa %g: the cosine is %.2f %% off\n", roughness, kappa, 100.0 * off / total);
+      std::printf("roughness %.2f, kappa %g: error of the cosine %.2f %%\n", roughness, kappa, 100.0 * off / total);
       worst = std::max(worst, 100.0 * off / total);
     }
   EXPECT_LT(worst, 6.5);
-  EXPECT_GT(worst, 5.5) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 5.5) << "the documented bound is too wide";
 }
 
-// Tangents of n (Duff et al. 2017).
+// Returns tangents of n (Duff et al. 2017).
 std::pair<glm::dvec3, glm::dvec3> tangents(const glm::dvec3& n) {
   const double side = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (side + n.z), b = n.x * n.y * a;
   return {{1.0 + side * n.x * n.x * a, side * b, -side * n.x}, {b, side + n.y * n.y * a, -n.y}};
 }
 
-// The direction 1 - e = the cosine away from n.
+// Returns the direction at azimuth phi whose cosine with n is 1 - e.
 glm::dvec3 beside(const glm::dvec3& n, double e, double phi) {
   const auto [s, t] = tangents(n);
   const double across = std::sqrt(e * (2.0 - e));
   return (1.0 - e) * n + across * (std::cos(phi) * s + std::sin(phi) * t);
 }
 
-// integral GGX(n . h) V(n . l, n . v) max(n . l, 0) vMF(n) dn, half of the normals drawn by the facets and half by the
-// lobe (Veach and Guibas 1995, the balance heuristic), at the points of Roberts' sequence.
+// Estimates integral GGX(n . h) V(n . l, n . v) max(n . l, 0) vMF(n) dn. Half of the normals follow the facets and half
+// the lobe (Veach and Guibas 1995, the balance heuristic), at the points of Roberts' sequence.
 double sampled_highlight(double alpha, double kappa, const glm::dvec3& mu, const glm::dvec3& h, const glm::dvec3& l,
                          const glm::dvec3& v) {
   constexpr int kSamples = 2048;
@@ -260,8 +260,8 @@ double sampled_highlight(double alpha, double kappa, const glm::dvec3& mu, const
   return sum / kSamples;
 }
 
-// With visibility: relative L1 over half vectors within twice the highlight's width, lights and views above the
-// surface, and lobes tilted by up to 40 degrees.
+// Tests the highlight with visibility: relative L1 over half vectors within twice the highlight's width. Lights and
+// views are above the surface; lobes are tilted by up to 40 degrees.
 TEST_F(GgxLobeTest, TheHighlightWithVisibilityIsNear) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -284,14 +284,14 @@ TEST_F(GgxLobeTest, TheHighlightWithVisibilityIsNear) {
         off += std::abs(shader.specular(l, v, h) - exact);
         total += exact;
       }
-      std::printf("roughness %.2f, kappa %g: the highlight is %.1f %% off\n", roughness, kappa, 100.0 * off / total);
+      std::printf("roughness %.2f, kappa %g: error of the highlight %.1f %%\n", roughness, kappa, 100.0 * off / total);
       double& bound = kappa >= 40.0 ? worst_of_narrow : worst;
       bound = std::max(bound, 100.0 * off / total);
     }
   EXPECT_LT(worst, 18.5);
-  EXPECT_GT(worst, 17.0) << "the bound that documents state is too wide";
+  EXPECT_GT(worst, 17.0) << "the documented bound is too wide";
   EXPECT_LT(worst_of_narrow, 8.0);
-  EXPECT_GT(worst_of_narrow, 7.0) << "the bound that documents state is too wide";
+  EXPECT_GT(worst_of_narrow, 7.0) << "the documented bound is too wide";
 }
 
 TEST_F(GgxLobeTest, HardCasesAreFinite) {

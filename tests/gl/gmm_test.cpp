@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar Gaussians drawn: against the reference where the model is exact or nearly so, on both contexts.
+// Draws planar Gaussians on both contexts and compares them with the reference where the model is (almost) exact.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -26,7 +26,7 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
     renderer_ = std::make_unique<Renderer>(context_->functions(), kGmmWidth, kGmmHeight);
   }
   void TearDown() override {
-    if (context_ == nullptr) return;  // none could be made
+    if (context_ == nullptr) return;  // no context could be made
     EXPECT_NO_THROW(check_gl(context_->functions(), "end of the test"));
   }
   FloatImage gaussians(const TestMap& map, const RenderScene& scene, int first_level = 0) {
@@ -49,7 +49,7 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
 INSTANTIATE_TEST_SUITE_P(Backends, GmmTest, testing::ValuesIn(test_backends()),
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
-// Upright normals: the shape of Blinn-Phong as a Gaussian is all that differs, 6 % at s = 20 and 1 % at 100.
+// All normals are upright: only the Gaussian's shape differs from Blinn-Phong, by 6 % at s = 20 and 1 % at 100.
 TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   const TestMap map = make_flat_map(16);
   RenderScene scene;
@@ -61,7 +61,7 @@ TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   }
 }
 
-// Two tilts of 25 degrees in equal shares: two Gaussians, where averages have one. Facets are foreshortened.
+// Two tilts of 25 degrees in equal shares: two Gaussians, but averaged normals have one. Facets are foreshortened.
 TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, true);
@@ -70,9 +70,9 @@ TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   }
 }
 
-// Fresnel, shadowing, and Lambert alone: against lobes, which have both, and against the reference. Its noise of 512
-// samples a pixel is 0.4 % (Lambert's error). That a Gaussian is not quite the shape of Torrance and Sparrow's facets
-// makes 2.1 % of their error, on a flat map too (AFlatMapIsNearTheReference).
+// Compares Fresnel, shadowing and Lambert without a highlight with lobes, which have both, and with the reference. With
+// 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error). A Gaussian is not exactly the shape of
+// Torrance and Sparrow's facets: 2.1 % of their error, on a flat map too (AFlatMapIsNearTheReference).
 TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -84,13 +84,13 @@ TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
     EXPECT_LT(picture_error(found, lobes(map, scene)).relative_l1, 0.06) << static_cast<int>(kind);
     EXPECT_LT(picture_error(found, reference(map, scene, 512)).relative_l1, bound) << static_cast<int>(kind);
   }
-  // The highlight by itself, 3.8 % off: most of the light is diffuse.
+  // Without diffuse light the highlight's error is 3.8 %; most of the light is diffuse.
   scene.brdf.diffuse = glm::vec3(0.0f);
   scene.brdf.f0 = glm::vec3(0.3f);
   EXPECT_LT(picture_error(gaussians(map, scene), reference(map, scene, 512)).relative_l1, 0.06);
 }
 
-// Levels that are left to the normal map come from there; from the first that is stored on nothing changes.
+// Levels before the first stored one come from the normal map; from the first stored level on nothing changes.
 TEST_P(GmmTest, FilesThatBeginAtACoarserLevel) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, true);
   RenderScene far = distant_scene();
@@ -98,7 +98,7 @@ TEST_P(GmmTest, FilesThatBeginAtACoarserLevel) {
   EXPECT_LT(picture_error(gaussians(map, far, 1), gaussians(map, far)).relative_l1, 1e-5);
   const TestMap wave = make_wave_map(64, WrapMode::kPeriodic);
   RenderScene near = distant_scene();
-  near.uv_scale = 0.5f;  // magnified: normals as they are
+  near.uv_scale = 0.5f;  // magnified: single normals
   EXPECT_LT(picture_error(gaussians(wave, near, 1), gaussians(wave, near)).relative_l1, 0.02);
 }
 

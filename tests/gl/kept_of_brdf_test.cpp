@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept of BRDFs: made once for several, alike for all colours, and no more than a few.
+// Tests the cache of per-BRDF data: made once for several users, equal for all colours, and limited to a few entries.
 #include "runtime_gl/render/kept_of_brdf.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ Brdf of_exponent(float exponent) {
   return brdf;
 }
 
-// Makes exponents, and counts them.
+// Makes exponents and counts the calls.
 struct Maker {
   int made = 0;
   float of(KeptOfBrdf<float>& kept, const Brdf& brdf) {
@@ -52,8 +52,8 @@ TEST(KeptOfBrdfTest, TheLeastUsedIsForgotten) {
   Maker maker;
   const int most = static_cast<int>(kept.kMost);
   for (int i = 0; i < most; ++i) maker.of(kept, of_exponent(static_cast<float>(1 + i)));
-  maker.of(kept, of_exponent(1.0f));  // used: 2 is the oldest now
-  maker.of(kept, of_exponent(1e3f));  // in the place of 2
+  maker.of(kept, of_exponent(1.0f));  // used again, so that 2 is the oldest
+  maker.of(kept, of_exponent(1e3f));  // replaces 2
   EXPECT_EQ(maker.made, most + 1);
   maker.of(kept, of_exponent(1.0f));
   EXPECT_EQ(maker.made, most + 1);

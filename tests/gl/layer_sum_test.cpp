@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums of images by the GPU against the decoder's: gamma-coded sums, radiance, every mip level.
+// Compares sums of images by the GPU with sums by the decoder: gamma-coded sums, radiance, every mip level.
 #include "runtime_gl/animation/layer_sum.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ class LayerSumTest : public ::testing::TestWithParam<ContextBackend> {
 INSTANTIATE_TEST_SUITE_P(Contexts, LayerSumTest, ::testing::ValuesIn(test_backends()),
                          [](const auto& test) { return context_backend_name(test.param); });
 
-/// Halves that are whole or exact: what the decoder's floats and uploads of them have in common.
+/// Returns a random multiple of 1/16, which is exact as a float and as a half float.
 float image_value(SplitMix64& random, float size) {
   return std::round(size * static_cast<float>(random.uniform() - 0.5) * 16.0f) / 16.0f;
 }
@@ -68,7 +68,7 @@ TEST_P(LayerSumTest, EqualsTheDecoderAndItsMipLevels) {
     int levels = 1;
     while (width >> levels > 0 || height >> levels > 0) ++levels;
     const Texture target(gl(), "target", {width, height, levels, TexelFormat::kRgba16f}, kSampled);
-    for (int round = 0; round < 2; ++round) layer_sum.add_up(weighed, offset, target);  // nothing of before stays
+    for (int round = 0; round < 2; ++round) layer_sum.add_up(weighed, offset, target);  // overwrites the first sum
     std::size_t at = 0;
     double bias = 0.0;
     for (int l = 0; l < levels; ++l) {
@@ -76,13 +76,15 @@ TEST_P(LayerSumTest, EqualsTheDecoderAndItsMipLevels) {
       for (std::size_t i = 0; i < found.size() / 4; ++i, ++at)
         for (std::size_t c = 0; c < 3; ++c) {
           const float value = expected[3 * at + c];
-          // A half rounds by 2^-12 of it at most, each level once more; llvmpipe's pow is off by up to 2e-4 of it.
+          // A half float rounds by at most 2^-12 of the value, once more per level; llvmpipe's pow has an error of up
+          // to 2e-4.
           ASSERT_NEAR(found[4 * i + c], value, 1e-3f * value + 1e-6f) << "level " << l << " texel " << i;
           bias += static_cast<double>(found[4 * i + c] - value) / static_cast<double>(value + 1e-3f);
         }
     }
     if (at > 1000) {
-      EXPECT_LT(std::abs(bias) / static_cast<double>(3 * at), 1e-4) << "rounded to the nearest, not cut off";
+      EXPECT_LT(std::abs(bias) / static_cast<double>(3 * at), 1e-4)
+          << "values must be rounded to nearest, not truncated";
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of meshes: frames, conventions, and refusals that name file and fault.
+// Tests the reading of meshes: frames, conventions, and refusals that name the file and the fault.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,7 +61,7 @@ TEST(Mesh, TangentsFollowTheTextureCoordinates) {
       read_mesh(temporary_file("mirrored.obj", head + "vt 0 0\nvt -1 0\nvt -1 1\nf 1/1/1 2/2/1 3/3/1\n"));
   EXPECT_NEAR(mirrored.tangents[0].x, -1.0f, 1e-5f);
   EXPECT_EQ(mirrored.tangents[0].w, -1.0f);
-  EXPECT_EQ(mirrored.uvs[2], glm::vec2(-1.0f, 1.0f));  // v as OBJ has it: upwards
+  EXPECT_EQ(mirrored.uvs[2], glm::vec2(-1.0f, 1.0f));  // v grows upwards, as in OBJ
 }
 
 TEST(Mesh, PlaneHasTheFrameThatShadersExpect) {
@@ -82,10 +82,10 @@ TEST(Mesh, RefusesWhatCannotCarryAMap) {
   EXPECT_NE(refusal(temporary_file("draco.gltf", draco)).find("KHR_draco_mesh_compression"), std::string::npos);
 }
 
-/// One right triangle and one whose last index is `index`, as glTF with its buffer inside.
+/// Returns glTF with an inline buffer: one right triangle and one whose last index is `index`.
 std::string two_triangles(char index) {
   const char indices[12] = {0, 0, 1, 0, 2, 0, 0, 0, 1, 0, index, 0};
-  // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1), 60 bytes.
+  // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1): 60 bytes.
   const std::string base64 =
       "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
       "AIA/AAAAAAAAAAAAAIA/" +

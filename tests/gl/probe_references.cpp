@@ -16,7 +16,7 @@ int level_count(const ProbeCase& probe) {
   return probe.sampler.has_mips ? MipLayout(probe.mapping.width, probe.mapping.height).level_count() : 1;
 }
 
-// Draws textures of one case again and again.
+// Draws several textures of one case.
 class CaseRenderer {
  public:
   CaseRenderer(const ProbeCase& probe, int supersampling)
@@ -51,7 +51,7 @@ std::size_t pixel_count(const ProbeCase& probe) {
 
 int wrapped(int i, int count, WrapMode mode) { return mode == WrapMode::kPeriodic ? ((i % count) + count) % count : i; }
 
-// Writes an identifier into green and blue of a rectangle of texels of a level.
+// Writes an identifier into green and blue of a rectangle of texels of one level.
 void mark(std::vector<float>& texels, const MipLevelPlace& level, const TextureMapping& mapping, int x0, int x1, int y0,
           int y1, std::size_t identifier) {
   if (x1 - x0 >= level.width) x0 = 0, x1 = level.width - 1;
@@ -66,7 +66,8 @@ void mark(std::vector<float>& texels, const MipLevelPlace& level, const TextureM
     }
 }
 
-// One of the paper's renderings: texels from (ox, oy) on, `step` apart, in every third level from `first_level` on.
+// Sets the texels of one of the paper's renderings: every `step`-th texel from (ox, oy), in every third level from
+// `first_level`.
 std::vector<std::uint32_t> set_apart(const ProbeCase& probe, const MipLayout& layout, int first_level, int ox, int oy,
                                      int step, std::vector<float>& texels) {
   std::vector<std::uint32_t> identifiers = {0};
@@ -125,7 +126,7 @@ ProbeRows probe_in_parallel(const ProbeCase& probe) {
         for (std::size_t i = 0; i < rows.size(); ++i) {
           const float weight = picture.rgba[4 * i];
           if (weight == 0.0f) continue;
-          // The whole neighbourhood holds the identifier, so that it arrives unweighted.
+          // The whole filter neighbourhood holds the identifier, so that filtering does not change it.
           const auto id = static_cast<std::size_t>(std::lround(picture.rgba[4 * i + 1]) +
                                                    256 * std::lround(picture.rgba[4 * i + 2]));
           if (id < identifiers.size()) rows[i][identifiers[id]] += static_cast<double>(weight);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filter matrices in ways that are slow and obvious, to check the parity probe by. No supersampling.
+// Measures filter matrices in slow and simple ways, to check the parity probe. No supersampling.
 #pragma once
 
 #include <map>
@@ -22,21 +22,21 @@ struct ProbeCase {
   ProbeSampler sampler;
 };
 
-/// The picture of the object with these texels (RGBA, MipLayout's order), alpha = 1 where it is seen.
+/// Draws the object with these texels (RGBA, MipLayout's order); alpha = 1 where the object is seen.
 FloatImage draw_texels(const ProbeCase& probe, int supersampling, const std::vector<float>& texels);
 
-/// One texel set at a time (section 3.2, "A simple but impractical algorithm").
+/// Measures by setting one texel at a time (section 3.2, "A simple but impractical algorithm").
 ProbeRows probe_texel_by_texel(const ProbeCase& probe);
 
-/// The paper's parallel method: every 6th texel of every 3rd level at once (8th where a direction is periodic), the
-/// texel's identifier in the other channels all over its filter neighbourhood (fig. 4). Sides are powers of two.
+/// Measures by the paper's parallel method: every 6th texel of every 3rd level at once (8th where a direction is
+/// periodic). The other channels hold the texel's identifier all over its filter neighbourhood (fig. 4). Sides are
+/// powers of two.
 ProbeRows probe_in_parallel(const ProbeCase& probe);
 
-/// Weights computed from the texture coordinate and textureQueryLod, as GL 4.5 section 8.14 defines trilinear
-/// filtering.
+/// Computes weights from the texture coordinate and textureQueryLod, by the trilinear filtering of GL 4.5 section 8.14.
 ProbeRows rows_by_query_lod(const ProbeCase& probe);
 
-/// Largest difference between entries.
+/// Returns the largest difference between entries.
 double largest_difference(const ProbeRows& a, const ProbeRows& b);
 
 ProbeRows rows_of(const FilterMatrix& matrix);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of maps whose mixtures are exact: the baked map's picture must be the reference's, on both back-ends.
+// Draws maps whose mixtures are exact: on both back-ends, the baked map's picture must equal the reference picture.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
     material.set_formula(formula);
     return renderer_->draw(*mesh_, material, scene).image;
   }
-  /// The same from a file that begins at `first_level`.
+  /// Draws the lobes from a file that begins at `first_level`.
   FloatImage movmf_from(int first_level, TestMap map, const RenderScene& scene,
                         LobeFormula formula = LobeFormula::kProduct) {
     drop_finer_levels(map.mipmap, first_level);
@@ -85,7 +85,7 @@ Brdf metal(float roughness) {
   return brdf;
 }
 
-// Factor times texture, as in glTF.
+// The roughness is factor times texture, as in glTF.
 TEST_P(RenderTest, ARoughnessTextureMultipliesTheBrdfs) {
   const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -98,7 +98,7 @@ TEST_P(RenderTest, ARoughnessTextureMultipliesTheBrdfs) {
   EXPECT_GT(picture_error(movmf(map, scene), plain).relative_l1, 0.2);
 }
 
-// Two halves of a map, one twice as rough: each is shaded with its own roughness, near and far.
+// One half of the map is twice as rough as the other; each is shaded with its own roughness, near and far.
 TEST_P(RenderTest, ARoughnessTextureEqualsTheReference) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -111,7 +111,7 @@ TEST_P(RenderTest, ARoughnessTextureEqualsTheReference) {
   scene.brdf.roughness = 0.525f;
   const double mean = picture_error(movmf(map, scene), exact).relative_l1;
   std::printf("relative L1 with the texture %.3f, with its mean %.3f\n", own, mean);
-  EXPECT_LT(own, 0.15);  // pixels of both halves have their mean roughness
+  EXPECT_LT(own, 0.15);  // pixels that see both halves have their mean roughness
   EXPECT_LT(own, 0.3 * mean);
 }
 
@@ -125,8 +125,8 @@ TEST_P(RenderTest, FlatMapEqualsReferenceFromNearAndFar) {
     const FloatImage drawn = movmf(map, scene);
     EXPECT_LT(picture_error(drawn, baseline(map, scene, Baseline::kMip)).relative_l1, 1e-4) << exponent;
     EXPECT_LT(picture_error(drawn, baseline(map, scene, Baseline::kToksvig)).relative_l1, 1e-4) << exponent;
-    // At s = 5000 a pixel of this small picture is as wide as the highlight, which the reference averages and no filter
-    // of normals does.
+    // At s = 5000 a pixel of this small picture is as wide as the highlight. The reference averages the highlight over
+    // the pixel; no filter of normals does.
     const double bound = exponent < 1000.0f ? 0.005 : 0.05;
     EXPECT_LT(picture_error(drawn, reference(map, scene, 16)).relative_l1, bound) << exponent;
   }
@@ -137,13 +137,13 @@ TEST_P(RenderTest, TwoTiltsEqualReferenceWhereMipsFail) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, false);
     const RenderScene scene = distant_scene();
     const FloatImage exact = reference(map, scene, 1024);
-    // The lobes are exact; 1024 samples count the two kinds of texels to about 1 %.
+    // The lobes are exact; 1024 samples estimate the shares of both kinds of texels to about 1 %.
     EXPECT_LT(picture_error(movmf(map, scene), exact).relative_l1, 0.02);
     EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.10);
   }
 }
 
-// The filter's weights are known where what is filtered is linear: colours under a flat map.
+// The filter's weights are known for linear quantities: colours under a flat map.
 TEST_P(RenderTest, TheReferenceOfTexelsIsWhatTheFilterAverages) {
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp, WrapMode::kMirror, WrapMode::kBlack}) {
     TestMap map = make_flat_map(24);  // levels of 12, 6, 3 and 1
@@ -167,7 +167,8 @@ TEST_P(RenderTest, TheReferenceOfTexelsIsWhatTheFilterAverages) {
   }
 }
 
-// Lobes that are not aligned are mixed up by the filter, and not by shading first; of aligned ones both are alike.
+// The filter mixes up lobes that are not aligned, but shading before filtering does not; aligned lobes give the same
+// picture both ways.
 TEST_P(RenderTest, ShadingFirstNeedsNoAlignment) {
   TestMap map = make_two_tilt_map(64, 25.0, StorageEncoding::kFloat, false);
   const RenderScene scene = distant_scene();
@@ -190,7 +191,7 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
   scene.brdf.specular = glm::vec3(0.0f);
   scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // reaches both tilts
   EXPECT_LT(picture_error(movmf(map, scene), reference(map, scene, 256)).relative_l1, 0.03);
-  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches the red tilt alone
+  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches only the red tilt
   const FloatImage exact = reference(map, scene, 1024);
   const FloatImage drawn = movmf(map, scene);
   EXPECT_LT(picture_error(drawn, exact).relative_l1, 0.02);
@@ -200,8 +201,8 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
 }
 
 TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
-  // Seen from straight above, image up = growing v: the map's first row, white, is in the picture's upper half; and
-  // normals that lean up (+Y) face a light that shines from the picture's upper edge.
+  // Seen from straight above, image up = growing v: the map's first row, white, is in the picture's upper half. Normals
+  // that lean up (+Y) face a light that shines from the picture's upper edge.
   TestMap map = make_flat_map(2);
   map.image.albedo = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.1f), glm::vec3(0.1f)};
   MovmfLevel& finest = map.mipmap.levels[0];
@@ -223,8 +224,8 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   }
 }
 
-// A file of moments shows what the baselines make of the finest map themselves. Both contexts are llvmpipe on most
-// machines, which takes seconds to compile all of it: one of them draws what the other draws too.
+// A file of moments draws what the baselines draw from the finest map. Both contexts are llvmpipe on most machines, and
+// compiling takes seconds, so one context draws only what the other draws too.
 TEST_P(RenderTest, MomentsEqualTheBaselines) {
   const std::pair<MomentShading, Baseline> kWays[] = {{MomentShading::kToksvig, Baseline::kToksvig},
                                                       {MomentShading::kLean, Baseline::kLean},
@@ -237,7 +238,7 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
         map.image.albedo.emplace_back(0.5f + 0.5f * map.image.normals[i]);
       RenderScene scene;  // from magnified to far
       scene.uv_scale = wrap == WrapMode::kPeriodic ? 30.0f : 1.0f;
-      // Each with colours and without, beyond two kinds of border.
+      // Both exponents are drawn with colours and without, each under two wrap modes.
       const bool is_sharp = coloured == (wrap == WrapMode::kMirror || wrap == WrapMode::kBlack);
       scene.brdf.exponent = is_sharp ? 500.0f : 20.0f;
       scene.lights = {{{0.3f, 0.7f, 1.0f}, glm::vec3(3.0f)}};
@@ -249,7 +250,7 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
         const FloatImage rounded = moments(map, make_moments(map.image, StorageEncoding::kHalf), scene, shading);
         EXPECT_LT(picture_error(rounded, expected).relative_l1, 5e-3);
       }
-      // They are not all the same picture.
+      // The pictures differ from one another.
       EXPECT_GT(picture_error(baseline(map, scene, Baseline::kLean), baseline(map, scene, Baseline::kLeanJacobian))
                     .relative_l1,
                 0.005);
@@ -257,7 +258,8 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
   }
 }
 
-/// The plain from near to far, every level of detail from magnified on; slopes of up to 0.8 are nowhere in the shade.
+/// A plain from near to far with every level of detail, magnification included; slopes of up to 0.8 are never in
+/// shadow.
 RenderScene plain_scene() {
   RenderScene scene;
   scene.uv_scale = 60.0f;
@@ -266,8 +268,8 @@ RenderScene plain_scene() {
   return scene;
 }
 
-// Levels that are left to the normal map are shaded by Toksvig's rule, whatever the moments are shaded by, where a
-// pixel sees all that lies between texels; from the first that is stored on nothing is lost.
+// Levels left to the normal map are shaded by Toksvig's rule, whatever rule shades the moments. On these levels, pixels
+// show the normals between texels. From the first stored level on nothing is lost.
 TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   TestMap map = make_noise_map(64, 0.8f, WrapMode::kPeriodic);
   const MomentMipmap whole = make_moments(map.image, StorageEncoding::kFloat);
@@ -294,8 +296,8 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
 }
 
 TEST_P(RenderTest, WrapModesEqualReference) {
-  // Seen from straight above, a corner of the map in the middle of the picture: the map's last row and column lie at
-  // x = -10 and y = 40, and three of the picture's quarters are beyond the border.
+  // Seen from straight above, with a corner of the map in the middle of the picture. The map's last row and column end
+  // at x = -10 and y = 40, and three quarters of the picture are beyond the border.
   RenderScene scene;
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
@@ -319,17 +321,17 @@ TEST_P(RenderTest, WrapModesEqualReference) {
       EXPECT_EQ(baseline(map, scene, which).rgba[beyond], 0.0f);
   }
   for (std::size_t i = 1; i < exact.size(); ++i)
-    EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must be told apart";
+    EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must give different pictures";
 }
 
-// Diffuse light on mild slopes is linear in the mean normal, so it cannot tell a lobe that the hardware mixed of two
-// levels from two shaded lobes that were mixed: only wrong weights, or a wrong level, would show.
+// Diffuse light on mild slopes is linear in the mean normal. Hence a lobe that the hardware mixed from two levels
+// equals a mix of two shaded lobes; only wrong weights or a wrong level would show.
 TEST_P(RenderTest, TheNormalMapsLevelsMixWithTheLobesAsTrilinearFilteringMixes) {
   const TestMap map = make_noise_map(64, 0.4f, WrapMode::kPeriodic);
   RenderScene scene = plain_scene();
-  scene.uv_scale = 350.0f;  // nowhere magnified: there the normal map is narrower
+  scene.uv_scale = 350.0f;  // never magnified: a magnified normal map is narrower
   const FloatImage whole = movmf(map, scene);
-  // The picture must have something to tell: levels that are too coarse by one, as a control.
+  // A control that the picture can show an error: levels that are too coarse by one.
   TestMap blurred = map;
   for (glm::vec4& lobe : blurred.mipmap.levels[0].lobes[0]) lobe = glm::vec4(0.0f, 0.0f, 0.95f, 1.0f);
   EXPECT_GT(picture_error(movmf(blurred, scene), whole).relative_l1, 0.002);
@@ -364,7 +366,7 @@ TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
               filter_tolerance(*context_, 1e-5, 1e-3))
         << first_level;
   map.image.albedo.clear();
-  // Without the albedo map: level 3's, magnified.
+  // Without the albedo map, level 3's colours are magnified.
   const FloatImage without = movmf_from(3, map, scene);
   EXPECT_GT(picture_error(without, whole).relative_l1, 0.02);
   EXPECT_LT(picture_error(without, whole).relative_l1, 0.3);
@@ -382,7 +384,7 @@ TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);
 }
 
-// From where level 1 is seen alone, the picture is the same but for rounding.
+// Where level 1 is the finest level seen, the pictures differ only by rounding.
 TEST_P(RenderTest, FromTheFirstLevelOnNothingChanges) {
   const RenderScene far = distant_scene();
   for (const bool coloured : {false, true}) {
@@ -411,7 +413,7 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
   }
 }
 
-// Both contexts are llvmpipe on most machines, which takes half a second for each: one of them draws them all.
+// Both contexts are llvmpipe on most machines, which takes half a second per count: one of them draws all counts.
 TEST_P(RenderTest, EveryLobeCountDraws) {
   for (std::size_t lobes = 1; lobes <= kLobeCountMax; ++lobes) {
     if (GetParam() == ContextBackend::kEgl && lobes != 1 && lobes != 3 && lobes != kLobeCountMax) continue;
@@ -438,7 +440,7 @@ TEST_P(RenderTest, SameInputGivesSameBytes) {
 }
 
 TEST_P(RenderTest, NearerSurfacesHideWhatLiesBehind) {
-  // Two parallel quads, the farther one drawn first: the reference's sum must hold the nearer one alone.
+  // Two parallel quads, the farther one drawn first: the reference's sum must hold only the nearer one.
   MeshData two = make_quad(60.0f);
   for (std::size_t i = 0; i < 4; ++i) {
     two.vertices.push_back(two.vertices[i]);
@@ -470,7 +472,7 @@ TEST(Render, OsmesaEqualsEgl) {
     pictures.push_back(renderer.draw(mesh, material, scene).image);
     software += gl_string(context->functions(), GL_RENDERER).find("llvmpipe") != std::string::npos ? "s" : "g";
   }
-  // The same rasteriser behind both gives the same bits; a GPU behind EGL may differ in rounding and in its LOD.
+  // One rasteriser behind both contexts gives equal bits; a GPU behind EGL may differ in rounding and level of detail.
   if (software == "ss") {
     EXPECT_EQ(pictures[0].rgba, pictures[1].rgba);
   } else {
@@ -486,14 +488,14 @@ TEST(Camera, FramesPointsFromTheirFront) {
   EXPECT_GT(y_up.eye.x, 0.0f);
   EXPECT_GT(y_up.eye.y, 0.0f);
   EXPECT_GT(y_up.eye.z, 0.0f);
-  const Camera z_up = frame_points(points, {0.0f, 0.0f, 1.0f}, 1.0f);  // the same, turned by 90 degrees about X
+  const Camera z_up = frame_points(points, {0.0f, 0.0f, 1.0f}, 1.0f);  // the same points, turned by 90 degrees about X
   EXPECT_NEAR(z_up.eye.x, y_up.eye.x, 1e-5f);
   EXPECT_NEAR(z_up.eye.y, -y_up.eye.z, 1e-5f);
   EXPECT_NEAR(z_up.eye.z, y_up.eye.y, 1e-5f);
   EXPECT_EQ(frame_points(points, {1.0f, 0.0f, 0.0f}, 1.0f).up.x, 1.0f);
 }
 
-// At random, of every shape and place: all points are seen, in the middle, and touch both sides of the picture one way.
+// Random point sets of every shape and place: all points are seen and centred, and touch two opposite sides.
 TEST(Camera, PointsFillThePicture) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
@@ -522,7 +524,7 @@ TEST(Camera, PointsFillThePicture) {
   }
 }
 
-// Whatever the camera looks at, in the middle of what it sees or far behind.
+// The camera's target varies from the middle of the points to far behind them.
 TEST(Camera, WhatWasSeenIsSeenFromFartherAway) {
   const std::vector<glm::vec3> points = {{1.0f, 0.0f, 0.0f}, {-1.0f, 0.5f, 0.2f}, {0.1f, -0.3f, 1.0f}};
   const Camera framed = frame_points(points, {0.0f, 1.0f, 0.0f}, 1.5f);
@@ -547,7 +549,7 @@ TEST(Material, RefusesLevelsThatDoNotFit) {
   broken.levels[1].lobes[0].pop_back();
   try {
     const MovmfMaterial material(context->functions(), broken, 1.0f);
-    FAIL() << "a level with a missing texel was taken";
+    FAIL() << "a level with a missing texel was accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInput);
     EXPECT_STREQ(error.what(), "level 1 of the baked map does not have 4 x 4 texels of 1 lobes");
@@ -590,11 +592,11 @@ TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
   EXPECT_EQ(sheet.width, 8 + 4 + 8);
   const std::size_t below = 4 * static_cast<std::size_t>((sheet.height - 1) * sheet.width);
   EXPECT_EQ(sheet.rgba[below], 0.25f);          // third picture
-  EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);  // nothing beside it
+  EXPECT_EQ(sheet.rgba[below + 4 * 13], 0.0f);  // the area next to the pictures is black
 }
 
 TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {
-  // A dash is five pixels of ink, ten by two at the larger scale; nothing else is white.
+  // A dash is five pixels of ink, or ten by two at the larger scale; no other pixel is white.
   const std::string label(20, '-');
   const auto ink = [&](int width) {
     const FloatImage dark{width, 4, std::vector<float>(static_cast<std::size_t>(16 * width), 0.0f)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical harmonics drawn, beside the reference, lobes, and each other, on both contexts: no GL error, layers of an
-// array as they were uploaded, levels left to the normal map, borders that are black.
+// Draws spherical harmonics on both contexts and compares them with the reference, lobes, and one another. Tests for GL
+// errors, the layers of an array as uploaded, levels left to the normal map, and black borders.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 constexpr int kShWidth = 96, kShHeight = 72;
 
 RenderScene scene_of(float exponent, float uv_scale = 60.0f) {
-  RenderScene scene;  // from far enough that a pixel covers several texels of a 32-texel unit
+  RenderScene scene;  // far enough away that a pixel covers several texels of a 32-texel unit
   scene.camera.eye = {0.0f, -8.0f, 12.0f};
   scene.camera.target = {0.0f, 8.0f, 0.0f};
   scene.uv_scale = uv_scale;
@@ -71,8 +71,8 @@ INSTANTIATE_TEST_SUITE_P(Contexts, ShRenderTest, testing::ValuesIn(test_backends
   return backend.param == ContextBackend::kOsmesa ? "Osmesa" : "Egl";
 });
 
-// Highlights as broad as the order: nearer with each order, and near the reference; sharp ones are blurred, which is
-// told.
+// Highlights as broad as the order allows: each higher order has a lower error. Sharp highlights are blurred, and a
+// warning says so.
 TEST_P(ShRenderTest, OrdersDrawWhatTheyHave) {
   const TestMap map = make_two_tilt_map(32, 25.0, StorageEncoding::kFloat, false);
   const RenderScene broad = scene_of(10.0f), sharp = scene_of(200.0f);
@@ -93,7 +93,7 @@ TEST_P(ShRenderTest, HalfsAreAsGoodAsFloats) {
   EXPECT_LT(error(draw(make_harmonics(map.image, 8, StorageEncoding::kHalf), scene), exact), 2e-3);
 }
 
-// Of one normal a level: all of the highlight's cosines are the same.
+// Each level has one normal, so that all cosines of the highlight are equal.
 TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
   const TestMap map = make_flat_map(8);
   const RenderScene scene = scene_of(10.0f);
@@ -104,8 +104,8 @@ TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
             1e-5);
 }
 
-// Levels finer than the first stored come from the normal map, as a lobe: near, nothing but them is seen, where a pixel
-// sees all that lies between texels.
+// Levels finer than the first stored one come from the normal map, as one lobe. A near view shows only these levels,
+// and its pixels show the normals between texels.
 TEST_P(ShRenderTest, LevelsThatAreLeftToTheNormalMap) {
   const TestMap map = make_noise_map(16, 1.0f, WrapMode::kPeriodic);
   const ShMipmap whole = make_harmonics(map.image, 4, StorageEncoding::kFloat);
@@ -128,7 +128,7 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
   const auto lit = [&](WrapMode wrap) {
     TestMap map = make_flat_map(8);
     map.image.wrap_s = map.image.wrap_t = wrap;
-    // Two repeats across the plane: the left part of its far half, some rows below the horizon, is within the map.
+    // The plane shows two repeats: the left part of its far half, some rows below the horizon, is within the map.
     const FloatImage drawn = draw(make_harmonics(map.image, 4, StorageEncoding::kFloat), scene_of(10.0f, 2.0f));
     std::size_t count = 0;
     for (std::size_t i = 0; i < drawn.rgba.size(); i += 4) count += drawn.rgba[i] > 0.0f ? 1 : 0;
@@ -139,7 +139,7 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
   EXPECT_LT(within, everywhere / 4);
 }
 
-// Both contexts are llvmpipe on most machines, which takes ten seconds for the longest shader: one of them draws it.
+// Both contexts are llvmpipe on most machines, which takes ten seconds for the longest shader: only one draws it.
 TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   const int high = GetParam() == ContextBackend::kOsmesa ? 20 : 8;
   const TestMap map = make_two_tilt_map(8, 25.0, StorageEncoding::kFloat, false);
@@ -151,8 +151,8 @@ TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   EXPECT_GT(least, most);
 }
 
-// Up to l = 2, where lobes of one direction are exact too, it needs E[n] and E[n n^T] alone; of 60 degrees to both
-// sides a lobe of the mean normal would be far off.
+// Diffuse light up to l = 2 needs only E[n] and E[n n^T]; lobes of one direction are exact there too. Normals tilted by
+// 60 degrees to both sides would give one lobe of the mean normal a large error.
 TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EnvironmentMap sky{32, 16, {}};
   for (int y = 0; y < sky.height; ++y)
@@ -172,8 +172,8 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EXPECT_GT(error(draw(make_harmonics(map.image, 1, StorageEncoding::kFloat), scene), exact), 0.01);
 }
 
-// The mean of what lights the normals is what lobes take (movmf_shading.glsl): at least as near the reference as the
-// others.
+// Lobes use the mean cosine of the normals that the light reaches (movmf_shading.glsl). The error of this choice is at
+// most that of the other cosines.
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);

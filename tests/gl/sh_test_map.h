@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of spherical harmonics without a bake, from the definition in double.
+// Makes a baked file of spherical harmonics from the definition in double, without a bake.
 #pragma once
 
 #include "host/formats/asset/averages/sh_mipmap.h"
@@ -7,8 +7,8 @@
 
 namespace multum::gl {
 
-/// Of the image's normals, every level the mean of the finest. The sides are powers of two. Below 1: with a BRDF's
-/// width in, of that mean cosine everywhere.
+/// Projects the image's normals; every level is the mean of the finest. The sides are powers of two. A mean_cosine
+/// below 1 includes the width of a BRDF with this mean cosine everywhere.
 ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding, double mean_cosine = 1.0);
 
 }  // namespace multum::gl

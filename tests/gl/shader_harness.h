@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluates a GLSL expression over arrays: one fragment an element, inputs and outputs in RGBA32F, read back exactly.
+// Evaluates a GLSL expression over arrays: one fragment per element, inputs and outputs in RGBA32F, read back exactly.
 #pragma once
 
 #include <functional>
@@ -16,20 +16,20 @@
 namespace multum::gl {
 
 struct ShaderHarnessInput {
-  std::string expression;               // a vec4, of the vec4s a and b, with the functions of common/ and brdf/
+  std::string expression;               // a vec4 of the vec4s a and b; may call functions of common/ and brdf/
   std::vector<glm::vec4> a;             // at most 16384 elements
   std::vector<glm::vec4> b;             // as many
   const Texture* texture = nullptr;     // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};   // of kGlslFormulas: what takes a guard out
+  std::vector<SourceEdit> edits = {};   // of kGlslFormulas: remove a guard
   std::vector<std::string> flags = {};  // #define lines
-  std::string formulas = {};            // more of the shaders, which may read `map`
-  std::function<void(const ShaderProgram& program)> set_uniforms = {};  // and textures, from unit 3 on
+  std::string formulas = {};            // more shader text, which may read `map`
+  std::function<void(const ShaderProgram& program)> set_uniforms = {};  // also binds textures, from unit 3 on
 };
 
-/// What edits call the text of all formulas together.
+/// The name by which edits refer to the text of all formulas.
 constexpr char kGlslFormulas[] = "formulas";
 
-/// The output is poisoned with NaN first: an element that no fragment wrote shows.
+/// Evaluates the expression. The output is poisoned with NaN first, so that an element without a fragment shows.
 std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnessInput& input);
 
 }  // namespace multum::gl

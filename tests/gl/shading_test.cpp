@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GLSL shading functions against double precision: the same formula, and the exact convolution by quadrature.
+// Compares the GLSL shading functions with double precision: the same formula, and the exact convolution by quadrature.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ struct Case {
   double parameter;  // s, sigma, unused
 };
 
-/// A lobe along an oblique mean direction and a unit vector `theta` away from it.
+/// Appends a lobe along an oblique mean direction and a unit vector `theta` away from it.
 void append(const Case& c, ShaderHarnessInput& input) {
   const double mu[3] = {0.36, -0.48, 0.8};
   const double side[3] = {0.8, 0.6, 0.0};
@@ -60,7 +60,7 @@ TEST_F(ShadingTest, InverseOfMeanCosine) {
     cases.push_back({1.0, 0.0, 0.0, reference::vmf_spread(kappa)});
   }
   const std::vector<double> values = evaluate("multum_vmf_kappa(b.w)", cases);
-  // 2.3e-4 is the polynomial's error; below kappa 0.1, 1 - q is a rounded difference: 6e-8 / |r| on top.
+  // The polynomial's error is 2.3e-4; below kappa 0.1, 1 - q is a rounded difference, which adds 6e-8 / |r|.
   for (std::size_t i = 0; i < values.size(); ++i)
     EXPECT_NEAR(values[i] / kappas[i], 1.0, 2.4e-4 + 4e-7 / kappas[i]) << "kappa " << kappas[i];
 }
@@ -74,7 +74,8 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
       const std::vector<double> values = evaluate("multum_movmf_blinn_phong(a, b.xyz, b.w)", cases);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double expected = reference::product_blinn_phong(s, spread, cases[i].theta);
-        // The inverse's 2.3e-4 twice (scale, exponent), and spread = a - |a r| rounded to 1e-7 beside 1/(s+2).
+        // The inverse's 2.3e-4 counts twice (scale, exponent); spread = a - |a r| is rounded to 1e-7, compared with
+        // 1/(s+2).
         EXPECT_NEAR(values[i], expected, peak * (6e-4 + 4e-7 * (s + 2.0)))
             << "s " << s << " spread " << spread << " theta " << cases[i].theta;
       }
@@ -91,12 +92,12 @@ TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
     const double s = static_cast<double>(input.b[i].x);
     const double e = static_cast<double>(input.b[i].y);
     const double expected = (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e));
-    // exp() of an argument of up to 6, rounded; the plain log(1 - e) is off by 6e-3 at s = 1e5.
+    // The argument of exp() is up to 6 and rounded; the plain log(1 - e) has an error of 6e-3 at s = 1e5.
     EXPECT_NEAR(static_cast<double>(values[i].x) / expected, 1.0, 1e-5) << "s " << s << " e " << e;
   }
 }
 
-/// Relative L1 over the hemisphere of directions around the mean, weight = solid angle, in per cent.
+/// Relative L1 error in per cent over the hemisphere around the mean, weighted by solid angle.
 double relative_l1(const std::vector<Case>& cases, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0;
@@ -109,7 +110,8 @@ double relative_l1(const std::vector<Case>& cases, const std::vector<double>& va
 }
 
 TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
-  // Bounds: tools/lab/fit_shading.py's table, rounded up. The paper's equation 20 is 3 to 70 % off for kappa <= 50.
+  // Bounds: the table of tools/lab/fit_shading.py, rounded up. The paper's equation 20 errs by 3 to 70 % for kappa <=
+  // 50.
   const struct {
     double s;
     double bound;
@@ -143,7 +145,7 @@ TEST_F(ShadingTest, LambertIsNearTheExactConvolution) {
 TEST_F(ShadingTest, LambertIsExactAtBothEnds) {
   const std::vector<Case> sharp = angles(0.0, 0.0, std::numbers::pi, 50);
   const std::vector<double> values = evaluate("multum_movmf_lambert(a, b.xyz)", sharp);
-  // |r| = 1 is a rounded length: spread of 1e-7, whose square root shows where the cosine is 0.
+  // |r| = 1 is a rounded length: the spread is 1e-7, and its square root shows where the cosine is 0.
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], std::max(std::cos(sharp[i].theta), 0.0), 3e-4);
   for (const double value : evaluate("multum_movmf_lambert(a, b.xyz)", angles(1.0, 0.0, std::numbers::pi, 50)))
     EXPECT_NEAR(value, 0.25, 1e-6);
@@ -159,7 +161,7 @@ TEST_F(ShadingTest, TorranceSparrowIsNearTheExactConvolution) {
       std::vector<double> exact;
       for (const Case& c : cases) exact.push_back(reference::convolved_vmf(kappa_f, kappa, c.theta));
       const std::vector<double> values = evaluate("multum_movmf_torrance_sparrow(a, b.xyz, b.w)", cases);
-      // Of two broad lobes of like width the convolution is not quite a vMF: 3.2 % at sigma 0.2, kappa 5.
+      // The convolution of two broad lobes of similar width is not exactly a vMF: 3.2 % at sigma 0.2, kappa 5.
       EXPECT_LT(relative_l1(cases, values, exact), kappa == 5.0 ? 3.5 : 1.5) << "sigma " << sigma << " kappa " << kappa;
     }
 }
@@ -167,7 +169,7 @@ TEST_F(ShadingTest, TorranceSparrowIsNearTheExactConvolution) {
 TEST_F(ShadingTest, HardCases) {
   std::vector<Case> cases;
   for (const double amplitude : {0.0, 1e-8, 1.0 / 32767.0, 1.0})
-    for (const double spread : {-1e-3, 0.0, 1e-7, 0.5, 1.0})  // below 0: |r| > 1, as rounding leaves it
+    for (const double spread : {-1e-3, 0.0, 1e-7, 0.5, 1.0})  // below 0: rounding left |r| > 1
       for (const double theta : {0.0, 1e-4, 0.5 * std::numbers::pi, std::numbers::pi})
         for (const double s : {1.0, 100.0, 1e5}) cases.push_back({amplitude, spread, theta, s});
   for (const char* expression :
@@ -186,8 +188,8 @@ TEST_F(ShadingTest, HardCases) {
   }
 }
 
-// Normals that turn evenly from texel to texel, at places all over them: the spread of the lobe is on average that of
-// the normals that a pixel sees, from far smaller ones up to those of sqrt(2) texels.
+// Normals turn evenly from texel to texel, and pixels are placed all over them. On average the lobe's spread equals
+// that of the normals that a pixel sees, for pixels from far smaller than a texel up to sqrt(2) texels.
 TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   const int places = 64;
   const double turn = 0.2;
@@ -207,7 +209,7 @@ TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   }
 }
 
-// What share the normal map has, and that shares of a lobe shade to shares of its light.
+// Tests the normal map's share, and that a share of a lobe shades to the same share of its light.
 TEST_F(ShadingTest, TheNormalMapHasItsShare) {
   ShaderHarnessInput input{"vec4(multum_normal_map_share(b.x))", {}, {}, nullptr};
   const float lods[] = {-8.0f, -1.5f, -1.0f, -0.75f, -0.25f, 0.0f, 0.25f, 9.0f};
@@ -218,7 +220,7 @@ TEST_F(ShadingTest, TheNormalMapHasItsShare) {
   }
   const std::vector<glm::vec4> values = evaluate_shader(context_->functions(), input);
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_FLOAT_EQ(values[i].x, shares[i]) << lods[i];
-  // Half the lobe shades to half the light: shares can be mixed.
+  // Half the lobe shades to half the light, so that shares can be mixed.
   ShaderHarnessInput halves{
       "vec4(multum_movmf_blinn_phong(a, b.xyz, 50.0), 2.0 * multum_movmf_blinn_phong(0.5 * a, b.xyz, 50.0),"
       " multum_movmf_lambert(a, b.xyz), 2.0 * multum_movmf_lambert(0.5 * a, b.xyz))",
@@ -231,7 +233,7 @@ TEST_F(ShadingTest, TheNormalMapHasItsShare) {
 }
 
 TEST_F(ShadingTest, EquatorialLobesLightUp) {
-  // A lobe whose mean lies in the plane of the surface still answers light along it.
+  // A lobe whose mean is in the plane of the surface still reflects light along it.
   ShaderHarnessInput input{"vec4(multum_movmf_lambert(a, b.xyz), multum_movmf_blinn_phong(a, b.xyz, 50.0), 0.0, 0.0)",
                            {{0.9f, 0.0f, 0.0f, 1.0f}},
                            {{1.0f, 0.0f, 0.0f, 0.0f}},

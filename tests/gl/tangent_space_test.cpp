@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tangents by MikkTSpace's convention against values worked out by hand, and on a conformance model.
+// Compares tangents by MikkTSpace's convention with values computed by hand, and tests them on a conformance model.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ void expect_near(const glm::vec4& found, const glm::vec4& expected) {
       << expected.y << ", " << expected.z << ", " << expected.w;
 }
 
-// Two triangles that share an edge; each has a direction of its own in which u grows.
+// Two triangles share an edge; in each, u grows in its own direction.
 TEST(TangentSpace, CornersWeighByTheirAngles) {
   const Corner a{{0, 0, 0}, {0, 0}}, b{{1, 0, 0}, {1, 0}}, c{{0, 1, 0}, {0, 1}};
   const Corner d{{1, 1, 0}, {3, 1}};
@@ -68,7 +68,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(weighed[1], glm::vec4(glm::normalize(first_angle * glm::vec2(1, 0) + second_angle * third), 0, 1));
 }
 
-// A chart and its mirror image share the seam's vertices with all that they hold: positions, normals, coordinates.
+// A chart and its mirror image share the seam's vertices with all attributes: positions, normals, coordinates.
 TEST(TangentSpace, MirroredChartsDoNotMix) {
   const Corner top{{0, 1, 0}, {0, 1}}, bottom{{0, 0, 0}, {0, 0}}, right{{1, 0, 0}, {1, 0}}, left{{-1, 0, 0}, {1, 0}};
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({bottom, right, top, bottom, top, left}));
@@ -78,7 +78,7 @@ TEST(TangentSpace, MirroredChartsDoNotMix) {
   for (const glm::vec4& t : tangents) EXPECT_GT((t.w * glm::cross(glm::vec3(0, 0, 1), glm::vec3(t))).y, 0.99f);
 }
 
-// Triangles that touch in a vertex alone are two groups: nothing is averaged across the gap.
+// Triangles that touch only in a vertex are two groups: nothing is averaged across the gap.
 TEST(TangentSpace, AVertexAloneJoinsNothing) {
   const Corner middle{{0, 0, 0}, {0, 0}};
   const Corner a{{1, 0, 0}, {1, 0}}, b{{0, 1, 0}, {0, 1}};     // u along +x
@@ -90,7 +90,7 @@ TEST(TangentSpace, AVertexAloneJoinsNothing) {
 
 TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
   const Corner a{{0, 0, 0}, {0, 0}}, b{{1, 0, 0}, {1, 0}}, c{{0, 1, 0}, {0, 1}};
-  const Corner d{{1, 1, 0}, {1, 0}};  // same u, v as b: no area with b, b
+  const Corner d{{1, 1, 0}, {1, 0}};  // same u, v as b: no area with b and b
   const Corner stray{{5, 5, 0}, {0, 0}}, stray2{{6, 5, 0}, {0, 0}}, stray3{{5, 6, 0}, {0, 0}};
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({a, b, c, b, d, d, stray, stray2, stray3}));
   expect_near(tangents[3], {1, 0, 0, 1});  // b of the empty triangle
@@ -101,7 +101,7 @@ TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
   }
 }
 
-// The conformance model has no tangents of its own. Its bumps are steep, and smooth normals lean with them.
+// The conformance model stores no tangents. The model's bumps are steep, and smooth normals lean with the bumps.
 TEST(TangentSpace, OfTheConformanceModel) {
   if (shared_data().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA is not set";
   const TriangleMesh mesh = read_mesh(shared_data() + "/mesh/pc_NormalTangentTest.glb");

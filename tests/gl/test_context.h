@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GL contexts that tests run on: OSMesa and EGL, or the one that MULTUM_TEST_GL names (osmesa or egl), where a
-// machine has only one, or where the GPU behind EGL is what is to be tested.
+// The GL contexts that tests run on: OSMesa and EGL, or only the one that MULTUM_TEST_GL names (osmesa or egl). Set the
+// variable where a machine has only one, or to test the GPU behind EGL.
 #pragma once
 
 #include <cstdlib>
@@ -19,18 +19,18 @@ inline std::vector<ContextBackend> test_backends() {
   return {ContextBackend::kOsmesa, ContextBackend::kEgl};
 }
 
-/// What two ways of filtering the same textures may differ by: Mesa's software takes the weights of texels as floats,
-/// GPUs round them to 8 bits or so.
+/// The largest difference between two ways of filtering the same textures. Mesa's software keeps the weights of texels
+/// as floats; GPUs round them to about 8 bits.
 inline double filter_tolerance(const HeadlessContext& context, double of_software, double of_gpus) {
   return context.description().find("llvmpipe") != std::string::npos ? of_software : of_gpus;
 }
 
-/// A context whose driver says what it thinks of each call: its words are beside a test's failure.
+/// Makes a context whose driver comments on each call; the messages appear next to a test's failure.
 inline std::unique_ptr<HeadlessContext> make_test_context(ContextBackend backend) {
   return make_headless_context(backend, DebugOutput::kOn);
 }
 
-/// For tests that one context is enough for.
+/// The back-end for tests that need only one context.
 inline ContextBackend test_backend() { return test_backends().front(); }
 
 }  // namespace multum::gl

@@ -181,7 +181,7 @@ void look_from_above(RenderScene& scene, double texels, int size, int height) {
   scene.camera.eye = {0.0f, 30.0f, 60.0f};
   scene.camera.target = {0.0f, 30.0f, 0.0f};
   scene.camera.up = {0.0f, 1.0f, 0.0f};
-  // The plane has the map once in 60 units.
+  // The plane shows the map once every 60 units.
   const double angle = static_cast<double>(scene.camera.fov_y_degrees) * std::numbers::pi / 180.0;
   scene.uv_scale = static_cast<float>(texels * 60.0 / size * height / (2.0 * 60.0 * std::tan(0.5 * angle)));
 }

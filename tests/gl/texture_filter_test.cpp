@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The texture filter of shaders/common/texture_filter.glsl, and the references that it is measured against.
+// Tests the texture filter of shaders/common/texture_filter.glsl and the references that measure it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ class TextureFilterTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Colours at random under a flat map: what is filtered is linear, and no highlight hides it.
+// Random colours under a flat map: filtering is linear in colours, and no highlight hides them.
 NormalImage coloured_image(int size) {
   NormalImage image{size, size, {}, {}};
   std::mt19937 random(3);
@@ -74,7 +74,7 @@ RenderScene matt_scene() {
   return scene;
 }
 
-// One level of a periodic map, bilinear.
+// Interpolates one level of a periodic map bilinearly.
 glm::dvec4 bilinear(const std::vector<float>& texels, int size, glm::dvec2 st) {
   const glm::dvec2 place = st * static_cast<double>(size) - 0.5, low = glm::floor(place), share = place - low;
   glm::dvec4 sum(0.0);
@@ -89,7 +89,7 @@ glm::dvec4 bilinear(const std::vector<float>& texels, int size, glm::dvec2 st) {
   return sum;
 }
 
-// The shader's lookups with footprints that are handed in, beside their definition in double.
+// Compares the shader's lookups for given footprints with their definition in double.
 TEST_P(TextureFilterTest, TapsAreTheirsInDouble) {
   constexpr int kSize = 16, kLevels = 5;
   TexelPlane plane{kSize, kSize, {}};
@@ -130,7 +130,7 @@ TEST_P(TextureFilterTest, TapsAreTheirsInDouble) {
   }
 }
 
-// With one tap and no bias it is the trilinear filter that drivers have, up to how they approximate its level.
+// One tap without a bias is the driver's trilinear filter, except for the driver's approximation of the level.
 TEST_P(TextureFilterTest, OneTapIsTheDriversTrilinear) {
   const NormalImage image = coloured_image(64);
   NormalMaterial material(context_->functions(), image, NormalMaterial::Sampling::kMipmapped, 1.0f);
@@ -139,7 +139,7 @@ TEST_P(TextureFilterTest, OneTapIsTheDriversTrilinear) {
   EXPECT_GT(error_of(drawn(material, matt_scene(), {1, -1.0f, false, false}), driver), 0.02) << "a bias is seen";
 }
 
-// The plane runs to the horizon: pixels are many times longer than wide.
+// The plane reaches the horizon, so that pixels are many times longer than wide.
 TEST_P(TextureFilterTest, TapsComeNearerThePixel) {
   const NormalImage image = coloured_image(64);
   NormalMaterial material(context_->functions(), image, NormalMaterial::Sampling::kMipmapped, 1.0f);
@@ -149,7 +149,7 @@ TEST_P(TextureFilterTest, TapsComeNearerThePixel) {
   for (const int taps : {2, 4, 16}) {
     const double error = error_of(drawn(material, scene, {taps, 0.0f, false, false}), exact);
     EXPECT_LT(error, (taps > 4 ? 1.0 : 0.95) * before) << taps << " taps";  // few pixels are longer than 4 to 1
-    // What is linear does not care whether taps are shaded before or after they are averaged.
+    // Linear quantities do not depend on whether taps are shaded before or after averaging.
     EXPECT_NEAR(error_of(drawn(material, scene, {taps, 0.0f, true, false}), exact), error, 1e-4) << taps << " taps";
     before = error;
   }
@@ -173,7 +173,7 @@ TEST_P(TextureFilterTest, AFlatMapIsTheSameByEveryFilter) {
   }
 }
 
-// Colours of a texture of another size than the lobes: each has its own level.
+// Colours come from a texture of another size than the lobes, so that each has its own level.
 TEST_P(TextureFilterTest, ColoursOfAnotherSizeHaveTheirOwnLevel) {
   const NormalImage image = coloured_image(64);
   const TestMap flat = make_flat_map(16);
@@ -187,8 +187,8 @@ TEST_P(TextureFilterTest, ColoursOfAnotherSizeHaveTheirOwnLevel) {
     EXPECT_LT(error_of(drawn(lobes, matt_scene(), filter), drawn(averages, matt_scene(), filter)), 2e-3);
 }
 
-// Two tilts, magnified: lobes blend the light of the texels around, which is what the blended reference has; facets
-// have edges; the normal between two opposite tilts is upright.
+// Two tilts, magnified. Lobes blend the light of the surrounding texels, as the blended reference does; facets have
+// edges; the normal between two opposite tilts is upright.
 TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   using Sampling = NormalMaterial::Sampling;
   const TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
@@ -202,7 +202,7 @@ TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   EXPECT_GT(error_of(baked, reference(map.image, Sampling::kNearest, scene)), 0.10);
   const FloatImage smooth = reference(map.image, Sampling::kInterpolated, scene);
   EXPECT_GT(error_of(baked, smooth), 0.10);
-  // Where four texels meet the normal between them is upright, as that of a flat map: pixels there are alike.
+  // Where four texels meet, the normal between them is upright like a flat map's normal: the pixels there are alike.
   const FloatImage upright = reference(make_flat_map(16).image, Sampling::kNearest, scene);
   double nearest = 1e30;
   for (std::size_t i = 0; i < smooth.rgba.size(); i += 4)
@@ -211,8 +211,8 @@ TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   EXPECT_LT(nearest, 0.02);
 }
 
-// Four quarters of one normal each, or texels in turns, from very near: lobes are as near to what engines interpolate
-// as averaged normals are.
+// Four quarters of one normal each, or alternating texels, from very near. Lobes match the interpolation of engines as
+// closely as averaged normals do.
 TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
   NormalImage quarters = make_flat_map(16).image;
   const double tilt = glm::radians(25.0);
@@ -236,7 +236,7 @@ TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
   }
 }
 
-// The stated noise is what a picture of sixteen times the samples confirms, within a factor.
+// A picture with sixteen times the samples confirms the stated noise, within a factor.
 TEST_P(TextureFilterTest, TheNoiseOfAReferenceIsWhatItSays) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene;
@@ -257,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, TextureFilterTest, testing::ValuesIn(test_bac
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
 TEST(ReferenceSampling, OffsetsHaveTheirFiltersVariance) {
-  // Of a Gaussian of 1/2 cut off at three standard deviations: 1/4 (1 - 6 phi(3) / (2 Phi(3) - 1)).
+  // The variance of a Gaussian of 1/2 cut off at three standard deviations: 1/4 (1 - 6 phi(3) / (2 Phi(3) - 1)).
   const double phi = std::exp(-4.5) / std::sqrt(2.0 * M_PI);
   const double cut = 0.25 * (1.0 - 6.0 * phi / std::erf(3.0 / std::sqrt(2.0)));
   for (const auto& [filter, variance, width] :

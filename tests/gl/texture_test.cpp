@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Uploads keep what the encoding promises; hardware filtering equals filtering in double precision.
+// Tests that uploads keep the encoding's precision, and that hardware filtering equals filtering in double precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ Texture upload(const GlFunctions& gl, const Pyramid& pyramid, const SamplerSetti
   return texture;
 }
 
-/// -1: the border.
+/// Returns the wrapped index, or -1 for the border.
 int wrap_index(WrapMode mode, int i, int size) {
   const int period = mode == WrapMode::kMirror ? 2 * size : size;
   const int m = ((i % period) + period) % period;
@@ -113,7 +113,7 @@ TEST_P(TextureTest, RoundTripKeepsEveryValue) {
     const std::vector<float> read = texture.read_level(l);
     const std::vector<float>& written = pyramid.levels[static_cast<std::size_t>(l)];
     ASSERT_EQ(read.size(), written.size());
-    // One float step of slack for the driver's own division by 32767.
+    // Allows one float step for the driver's own division by 32767.
     for (std::size_t i = 0; i < read.size(); ++i)
       ASSERT_NEAR(read[i], written[i], GetParam() == TexelFormat::kRgba16Snorm ? 6e-8f : 0.0f) << l << " " << i;
   }
@@ -151,7 +151,8 @@ TEST_P(TextureTest, FiltersLikeDoublePrecision) {
         error_max = std::max(error_max, std::abs(off));
         ASSERT_FALSE(std::isnan(off));
       }
-    // s * width is rounded at up to 2.5 * 37 texels: 8e-6 of a texel, times differences of up to 2, a few times over.
+    // s * width is rounded at up to 2.5 * 37 texels: an error of 8e-6 texels times differences of up to 2, a few times
+    // over.
     EXPECT_LT(error_max, filter_tolerance(*context_, 3e-5, 2e-2)) << wrap_mode_name(wrap);
   }
 }
@@ -180,7 +181,7 @@ TEST(Half, ClampedOnesAreTheSameUpToTheLargest) {
 }
 
 TEST(Half, RoundsToNearestEvenOverAllExponents) {
-  // Every half, and what lies just below, at and just above the middle between it and the next.
+  // Tests every half float, and floats just below, at and just above the middle to the next half.
   for (std::uint32_t h = 0; h < 0x7bff; ++h) {
     const auto low = static_cast<std::uint16_t>(h);
     const auto high = static_cast<std::uint16_t>(h + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/block_encoding.cl by the errors of what it makes, decoded on the host: beside the least there is (BC4), a
-// search from many starts (BC7), and libsquish.
+// Tests kernels/block_encoding.cl by the errors of its blocks, decoded on the host. Compares the errors with the lowest
+// possible error (BC4), a search from many starts (BC7), and libsquish.
 #include <gtest/gtest.h>
 
 #include <squish.h>
@@ -28,7 +28,7 @@ using testing::uniform24;
 
 constexpr std::size_t kBlocks = 24;  // of a kind
 
-// What a kind of blocks holds in one channel: a place on a slope with waves on it, and noise.
+// The content of one channel of a kind of blocks: a place on a slope with waves, and noise.
 struct Relief {
   double middle, range, noise;  // 0 to 255
 };
@@ -52,7 +52,7 @@ BlockValues constant_values(double value) {
   return values;
 }
 
-// Blocks beside one another: 4 rows of texels.
+// Places the blocks in one row, which is 4 rows of texels.
 std::vector<glm::vec4> texels_of(const std::vector<BlockColours>& blocks) {
   std::vector<glm::vec4> texels(16 * blocks.size());
   for (std::size_t b = 0; b < blocks.size(); ++b)
@@ -63,7 +63,7 @@ std::vector<glm::vec4> texels_of(const std::vector<BlockColours>& blocks) {
   return texels;
 }
 
-// Sums of squared differences, of channels that the format has.
+// Returns sums of squared differences over the format's channels.
 std::vector<double> errors_of(TexelFormat format, const std::vector<BlockColours>& blocks) {
   BlockEncoder encoder(test_device());
   const std::vector<std::uint8_t> bytes =
@@ -138,8 +138,9 @@ double squish_error(const BlockValues& values) {
   return sum;
 }
 
-// By kinds: within 1 % of the least there is, every block within half of it or twice the rounding to 8 bits; and nearer
-// than libsquish, which knows values of 8 bits alone.
+// The error of each kind is within 1 % of the lowest possible error. Every block has at most 1.5 times the lowest
+// error, or exceeds it by at most twice the rounding error of 8 bits. Errors are lower than those of libsquish, which
+// reads only values of 8 bits.
 TEST(BlockEncoding, Bc4IsNearTheLeast) {
   std::mt19937 random(31);
   for (const ScalarKind& kind : scalar_kinds()) {
@@ -154,8 +155,8 @@ TEST(BlockEncoding, Bc4IsNearTheLeast) {
       EXPECT_GE(errors[b], best - 1e-2) << kind.name << ", block " << b;
       EXPECT_LE(errors[b], std::max(1.5 * best, best + 2.0 * 16.0 / 12.0)) << kind.name << ", block " << b;
     }
-    std::printf("%s: over the least %.4f, of libsquish %.4f\n", kind.name.c_str(), sum_of(errors) / least,
-                of_squish / least);
+    std::printf("%s: error relative to the lowest: ours %.4f, libsquish %.4f\n", kind.name.c_str(),
+                sum_of(errors) / least, of_squish / least);
     EXPECT_LE(sum_of(errors), 1.01 * least) << kind.name;
     EXPECT_LE(sum_of(errors), of_squish) << kind.name;
   }
@@ -189,7 +190,7 @@ TEST(BlockEncoding, Bc5IsTwoOfBc4) {
 
 struct ColourKind {
   std::string name;
-  double ratio_most;  // of the kind's error over that of the search
+  double ratio_most;  // largest error of the kind relative to the search
   std::function<BlockColours(std::mt19937&)> make;
 };
 
@@ -238,21 +239,21 @@ const std::vector<ColourKind>& colour_kinds() {
 
 TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   std::mt19937 random(33);
-  constexpr std::size_t kSearched = 6;  // half a second each
+  constexpr std::size_t kSearched = 6;  // half a second per block
   for (const ColourKind& kind : colour_kinds()) {
     std::vector<BlockColours> blocks;
     for (std::size_t b = 0; b < kSearched; ++b) blocks.push_back(kind.make(random));
     const std::vector<double> errors = errors_of(TexelFormat::kBc7, blocks);
     double searched = 0.0;
     for (const BlockColours& block : blocks) searched += reference::colour_error_by_search(block);
-    std::printf("%s: %.2f a block, over the search's %.3f\n", kind.name.c_str(),
+    std::printf("%s: error %.2f per block, %.3f times that of the search\n", kind.name.c_str(),
                 sum_of(errors) / static_cast<double>(kSearched), sum_of(errors) / searched);
     EXPECT_LE(sum_of(errors), kind.ratio_most * searched) << kind.name;
   }
 }
 
-// The same search, whose third channel goes to alpha: its error is what the blocks of colours have where both choose
-// modes 4, 5 or 6, and blue is 1.
+// The same search with the third channel in alpha. The error equals that of blocks of colours if both choose modes 4, 5
+// or 6 and blue is 1.
 TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
   std::mt19937 random(34);
   BlockEncoder encoder(test_device());
@@ -278,18 +279,18 @@ TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
       EXPECT_FALSE(has_two_lines) << "mode 1 has no alpha";
       sum += error;
     }
-    // Without mode 1, which has two lines; 4.4 times at the edge of a metal.
+    // The error without mode 1, which has two lines: 4.4 times as high at the edge of a metal.
     EXPECT_LT(sum, 6.0 * sum_of(as_colours) + 1.0) << kind.name;
   }
 }
 
-// Rows and columns that fill up blocks of sides that are no multiples of 4 count as the last texel again.
+// If sides are not multiples of 4, the rows and columns that fill up blocks repeat the last texel.
 TEST(BlockEncoding, FillsUpBlocks) {
   BlockEncoder encoder(test_device());
   std::vector<glm::vec4> texels(15, glm::vec4(0.25f));
   std::vector<glm::vec4> whole(32, glm::vec4(0.25f));
   texels[14] = glm::vec4(0.75f);
-  // 5 x 3: the last texel fills the lower right of the second block.
+  // 5 x 3 texels: the last texel fills the lower right of the second block.
   const std::vector<std::uint8_t> filled = encoder.encode(TexelFormat::kBc4, 5, 3, texels);
   for (std::size_t row = 2; row < 4; ++row)
     for (std::size_t column = 4; column < 8; ++column) whole[8 * row + column] = glm::vec4(0.75f);

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles every kernel with compilers other than PoCL's, as OpenCL C 1.2 and 3.0: clang to SPIR-V, which the validator
-of SPIR-V reads, and clang to NVPTX, whose listing says what a kernel takes of a GPU.
+"""Compiles every kernel with compilers other than PoCL's, as OpenCL C 1.2 and 3.0. clang compiles to SPIR-V, which
+SPIR-V's validator checks, and to NVPTX, whose listing shows the GPU resources that a kernel needs.
 
 Usage: check_compilers.py KERNEL_FOLDER FLATTENED_FOLDER [--ptxas PTXAS] [--table]
-A kernel may keep STACK_MAX bytes outside registers; by ptxas, where there is one, it may spill nothing. --table prints
-what each takes. A missing compiler is said and passed over. Exit code 1 when a kernel fails.
+A kernel may keep STACK_MAX bytes outside registers; if ptxas is installed, it may spill nothing. --table prints
+the resources of each kernel. A missing compiler is reported and skipped. Exit code 1 when a kernel fails.
 """
 import argparse
 import concurrent.futures
@@ -18,17 +18,17 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-# movmf_bin_axes counts 63 bins and movmf_bin_cells notes 64 cells in arrays; 8 lobes' sums are 320 bytes.
+# movmf_bin_axes counts 63 bins and movmf_bin_cells stores 64 cells in arrays; the sums of 8 lobes take 320 bytes.
 STACK_MAX = 512
-# movmf_refine solves for 4 numbers a lobe: the triangle of 32 x 32 sums of 8 lobes, and five sets of lobes: EM's, those
-# beside, those of the step, the best ones, and those pooled with their derivatives.
+# movmf_refine solves for 4 numbers per lobe: the triangle of 32 x 32 sums of 8 lobes, and five sets of lobes. The sets
+# are the lobes of EM, of neighbours and of the step, the best lobes, and the pooled lobes with their derivatives.
 STACK_MAX_OF = {"movmf_refine": 5120}
 REGISTERS_MAX = 255  # of one work-item of NVIDIA's GPUs
 CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
 
 
 def variants(name, text):
-    """Names and definitions of the scalar variants that GPUs run; of what the text does not name there is one value."""
+    """Yields names and definitions of the scalar variants that GPUs run. Options that the text lacks have one value."""
     if name.startswith("movmf_") and name != "movmf_shade":
         for lobes in (4, 8) if "MULTUM_LOBES" in text else (4,):
             for weighted in (0, 1) if "MULTUM_WEIGHTED" in text else (0,):
@@ -47,13 +47,13 @@ def run(command):
 
 
 def spirv(source, definitions, standard, folder):
-    """What is wrong with a kernel as SPIR-V, or ''."""
+    """Returns the error of a kernel compiled to SPIR-V, or ''."""
     bitcode, module = folder / "kernel.bc", folder / "kernel.spv"
     steps = [CLANG + [f"-cl-std={standard}", "-target", "spir64-unknown-unknown", "-O0", "-emit-llvm", "-c",
                       "-DMULTUM_VECTOR_WIDTH=1", *definitions, str(source), "-o", str(bitcode)]]
     translator = shutil.which("llvm-spirv-14") or shutil.which("llvm-spirv")
     if translator:
-        # Not as a profile of OpenCL: those know no 64-bit atomics, an extension that movmf_bin_add uses.
+        # Not an OpenCL profile: these lack 64-bit atomics, an extension that movmf_bin_add uses.
         version, environment = ("1.0", "spv1.0") if standard == "CL1.2" else ("1.2", "spv1.2")
         steps.append([translator, f"--spirv-max-version={version}", str(bitcode), "-o", str(module)])
         if shutil.which("spirv-val"):
@@ -66,9 +66,9 @@ def spirv(source, definitions, standard, folder):
 
 
 def nvptx(source, definitions, ptxas, folder):
-    """(what is wrong or '', rows of kernel, bytes of stack, registers, bytes spilled)."""
+    """Returns (error or '', rows of kernel, bytes of stack, registers, bytes spilled)."""
     listing = folder / "kernel.ptx"
-    # As clang knows no extension of this target; the driver's compiler says that it has it.
+    # clang knows no extensions of this target, but the driver's compiler has this one.
     definitions = [*definitions, "-DMULTUM_VECTOR_WIDTH=1", "-include", str(HERE / "nvptx_builtins.clh")]
     result = run(CLANG + ["-cl-std=CL1.2", "-target", "nvptx64-unknown-unknown", "-Xclang", "-target-cpu", "-Xclang",
                           "sm_75", "-O2", "-S", *definitions, str(source), "-o", str(listing)])
@@ -113,15 +113,16 @@ def check(job):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("kernels", type=pathlib.Path)
-    parser.add_argument("flattened", type=pathlib.Path, help="the same without #include, as the programs hold them")
+    parser.add_argument("flattened", type=pathlib.Path,
+                        help="folder of the same kernels with their includes expanded, as the programs embed them")
     parser.add_argument("--ptxas", default=shutil.which("ptxas"))
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
-    for tool, what in (("llvm-spirv-14", "SPIR-V is not made"), ("spirv-val", "SPIR-V is not validated")):
+    for tool, what in (("llvm-spirv-14", "no SPIR-V was compiled"), ("spirv-val", "SPIR-V was not validated")):
         if not shutil.which(tool):
-            print(f"check_compilers: no {tool} here: {what}")
+            print(f"check_compilers: {tool} is not installed: {what}")
     if not options.ptxas:
-        print("check_compilers: no ptxas here: registers are not counted, LLVM's stack frames are")
+        print("check_compilers: ptxas is not installed: counted LLVM's stack frames, but no registers")
     jobs = [(options.flattened / source.name, source.stem, label, definitions, options.ptxas)
             for source in sorted(options.kernels.glob("*.cl"))
             for label, definitions in variants(source.stem, (options.flattened / source.name).read_text())]

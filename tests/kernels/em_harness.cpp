@@ -17,7 +17,7 @@
 namespace multum::testing {
 namespace {
 
-// Planes of rows, each plane whole in `bytes`, or all zeros, as a window.
+// Makes a window of planes of rows from `bytes`, one whole plane after the other, or from zeros.
 RowWindow window_of(Device& device, int plane_count, std::size_t row_bytes, int rows, const void* bytes) {
   RowWindow window(device, plane_count, row_bytes, rows, "test");
   const std::size_t plane_bytes = row_bytes * static_cast<std::size_t>(rows);
@@ -29,7 +29,7 @@ RowWindow window_of(Device& device, int plane_count, std::size_t row_bytes, int 
   return window;
 }
 
-// All rows of a store, as the fit puts them into a window.
+// Makes a window of all rows of a store, as the fit does.
 RowWindow window_of(Device& device, const RowStore& store, const RowWindow::Fill& fill) {
   RowWindow window(device, 1, store.row_bytes(), store.row_count(), "test");
   window.move_to(0, store.row_count(), fill);
@@ -48,7 +48,7 @@ MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   return settings;
 }
 
-// The level alone.
+// A schedule of this one level.
 MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settings, const LevelFit& how) {
   MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::erase_if(schedule.levels, [&](const LevelSchedule& level) { return level.level != how.level; });
@@ -67,7 +67,7 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
   return schedule;
 }
 
-// What a texel starts from where `from` is its parent's lobe, and what that says.
+// Appends a texel's start from its parent's lobe `from`, and the prior that follows from the parent.
 void append_start(const MultumVmfLobe& from, double alignment, std::vector<reference::Lobe>& lobes,
                   reference::EmOptions& options) {
   const double a = static_cast<double>(from.amplitude);
@@ -77,7 +77,7 @@ void append_start(const MultumVmfLobe& from, double alignment, std::vector<refer
   options.prior.push_back(alignment * a * (mu + glm::dvec3(0.0, 0.0, 1.0)));
 }
 
-// Normals as points of the plane.
+// Projects normals to points of the plane.
 std::vector<reference::Sample> as_points(std::vector<reference::Sample> samples, bool shortened) {
   for (reference::Sample& s : samples) s.normal = reference::planar_sample(s.normal, shortened);
   return samples;
@@ -100,7 +100,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const MultumMovmfFit& fit = level.fit;
   const std::size_t texels = static_cast<std::size_t>(fit.width) * static_cast<std::size_t>(fit.height);
   const std::size_t lobe_row = static_cast<std::size_t>(fit.width) * sizeof(MultumVmfLobe);
-  // Neighbours of lower colour rank are read as if they were done: the prior sees only zeros there.
+  // Neighbours of lower colour rank are read as if they were fitted: the prior sees only zeros there.
   StepWindows windows;
   windows.lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
   windows.alignment_vectors = window_of(device, lobe_count, lobe_row, fit.height, nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the EM kernels on the texels of one level of a map, from given starts, and the reference on the same texels.
+// Runs the EM kernels on the texels of one level of a map from given starts, and the reference on the same texels.
 #pragma once
 
 #include <vector>
@@ -20,24 +20,24 @@ struct LevelFit {
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
   bool scalar = false;
-  bool shortened = false;                 // of normals whose lengths are a BRDF's width
-  FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals a texel
-  int bin_rows = 1 << 15;                 // of the map, a band while texels are binned
+  bool shortened = false;                 // the lengths of normals hold a BRDF's width
+  FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals per texel
+  int bin_rows = 1 << 15;                 // rows of the map per band of binning
   float convergence_tolerance = 0.0f;
-  // kGmm: lobes are (mean x, mean y, sigma^2, amplitude), and so are the reference's r.
+  // kGmm: lobes and the reference's r are (mean x, mean y, sigma^2, amplitude).
   Representation representation = Representation::kMovmf;
 };
 
-/// Fits every texel of a level in one step (no neighbours are done, only the parent speaks), from `parent` lobes
-/// [lobe][parent texel]. Returns [lobe][texel].
+/// Fits every texel of a level in one step from `parent` lobes [lobe][parent texel]. No neighbours are fitted yet, so
+/// that the prior comes only from the parent. Returns [lobe][texel].
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how);
 
-/// The same by the reference.
+/// Fits the same texels by the reference.
 std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                                    int lobe_count, const LevelFit& how);
 
-/// Finest texels that texel (x, y) of a level covers, with their exact shares.
+/// Returns the finest texels that texel (x, y) of a level covers, with their exact shares.
 std::vector<reference::Sample> covered_samples(const NormalMap& map, int level, int x, int y);
 
 }  // namespace multum::testing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/image_transform.cl, driven by host/fields/codec/transforms, against double precision and against the
-// transforms of the decoder's folder.
+// Compares kernels/image_transform.cl, run by host/fields/codec/transforms, with double precision and with the
+// decoder's transforms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Textures random_textures(const CoefficientLayout& layout, std::size_t count, std
   return textures;
 }
 
-// A rotation by three random angles, and offsets of some hundred.
+// Returns a rotation by three random angles, and offsets of some hundreds.
 PlaneAxes random_axes(std::mt19937& random) {
   TextureChunkFormat format;
   for (auto& part : format.rotation) part = static_cast<std::int16_t>(65000.0 * (uniform24(random) - 0.5));
@@ -65,8 +65,8 @@ std::vector<CoefficientLayout> layouts() {
   return all;
 }
 
-// Errors in parts of the largest magnitude that the plane's transform has. Of a sum of 32 terms twice, each of rounded
-// cosines and samples of up to 650 that may cancel: 64 roundings of 6e-8 at most, some 8 as they come.
+// The error relative to the largest magnitude of the plane's transform. A sum of 32 terms runs twice, over rounded
+// cosines and samples of up to 650 that may cancel: at most 64 roundings of 6e-8, typically 8.
 constexpr double kTransformError = 1e-6;
 
 void expect_reference(const CoefficientLayout& layout, std::size_t count, std::mt19937& random) {
@@ -97,7 +97,7 @@ TEST(ImageTransformTest, CoefficientsEqualTheReference) {
   for (const CoefficientLayout& layout : layouts()) expect_reference(layout, 3, random);
 }
 
-// Few enough for a simulator (tests/cli/oclgrind_test.cpp).
+// Textures are small enough for a simulator (tests/cli/oclgrind_test.cpp).
 TEST(ImageTransformTest, CoefficientsOfASmallTextureEqualTheReference) {
   std::mt19937 random(55);
   expect_reference({ImageCoder::kDct, 9, 7, 8}, 1, random);
@@ -137,7 +137,7 @@ TEST(ImageTransformTest, ThreadsMayShareIt) {
   EXPECT_EQ(together, alone);
 }
 
-// One launch a step, whatever the number of textures.
+// Each step is one launch, for any number of textures.
 TEST(ImageTransformTest, TexturesOfABatchAreOneLaunch) {
   std::mt19937 random(54);
   const CoefficientLayout layout{ImageCoder::kDct, 40, 40, 16};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights of basis BRDFs and roughness in both bakes: EM of shortened normals against double precision, features of
-// lobes against what their mean vectors say, averages, and the maps that are all of one kind.
+// Tests weights of basis BRDFs and roughness in both bakes. Compares EM of shortened normals and averages with double
+// precision, and lobe features with values from the lobes' mean vectors. Also tests uniform maps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@
 namespace multum::testing {
 namespace {
 
-// Bumps of every steepness up to 60 degrees.
+// Makes bumps of every steepness up to 60 degrees.
 NormalMap bumpy_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int, int) {
@@ -33,7 +33,7 @@ NormalMap bumpy_map(int width, int height, unsigned seed) {
   });
 }
 
-// Three facets with some noise, each of its own width: what lobes should find.
+// Makes three facets with some noise and different widths, which lobes should find.
 NormalMap facets(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int x, int y) {
@@ -44,7 +44,7 @@ NormalMap facets(int width, int height, unsigned seed) {
   });
 }
 
-// Each normal times 1/2 to 1, most near 1.
+// Scales each normal by 1/2 to 1, mostly near 1.
 NormalMap shortened(NormalMap map, unsigned seed) {
   std::mt19937 random(seed);
   for (std::size_t i = 0; i < map.x.size(); ++i) {
@@ -56,7 +56,7 @@ NormalMap shortened(NormalMap map, unsigned seed) {
   return map;
 }
 
-// Tilted by 24 degrees to all sides; third of vMF lobes 0.7, of Gaussians sigma^2 0.04.
+// Makes parent lobes tilted by 24 degrees to all sides, with third component 0.7 (vMF) or sigma^2 0.04 (Gaussians).
 std::vector<MultumVmfLobe> spread_parent(const NormalMap& map, int level, int lobes,
                                          Representation representation = Representation::kMovmf) {
   const std::size_t texels = static_cast<std::size_t>(mip_level_size(map.width, level + 1)) *
@@ -97,7 +97,7 @@ TEST_P(Families, EmOfShortenedNormalsEqualsReference) {
       how.scalar = scalar;
       const auto found = fit_with_kernels(map, parent, 3, how);
       ASSERT_EQ(found.size(), expected.size());
-      // As in movmf_em_test, times the copies that differences of log densities count.
+      // The bounds of movmf_em_test, times the number of copies by which differences of log densities count.
       for (std::size_t i = 0; i < found.size(); ++i)
         EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
     }
@@ -161,7 +161,7 @@ MovmfMipmap bake(const NormalMap& map, const WeightMap* weights, bool has_roughn
   return bake_movmf(test_device(), inputs, settings, report, nullptr);
 }
 
-// Weights that are linear in the normals: of every lobe the mean vector says what its weights are.
+// The weights are linear in the normals, so that each lobe's mean vector gives its weights.
 TEST_P(Families, WeightsOfEveryLobeAreThoseOfItsOwnNormals) {
   for (const CoarseNormals coarse : {CoarseNormals::kBinned, CoarseNormals::kAll})
     for (const auto& [width, height] : {std::pair{128, 128}, std::pair{75, 98}}) {
@@ -235,7 +235,7 @@ TEST(Weights, MomentsAndHarmonicsAverageThem) {
     EXPECT_EQ(harmonics.levels[l].weights, mipmap.levels[l].weights) << l;
 }
 
-// Of Gaussians E[p] and E[|p|^2 + 2 v].
+// Gaussians keep E[p] and E[|p|^2 + 2 v].
 TEST_P(Families, MomentsOverAllLobesAreThoseOfTheRoughNormals) {
   const NormalMap map = shortened(bumpy_map(128, 128, 39), 40);
   const bool planar = GetParam() == Representation::kGmm;
@@ -257,7 +257,7 @@ TEST_P(Families, MomentsOverAllLobesAreThoseOfTheRoughNormals) {
   }
 }
 
-// Half the texels of a flat map are sharp, half rough: lobes tell them apart, at fine levels and at binned ones.
+// Half the texels of a flat map are sharp and half are rough: lobes separate them at fine levels and at binned ones.
 TEST_P(Families, LobesTellSharpFromRough) {
   const bool planar = GetParam() == Representation::kGmm;
   double sharp = mean_cosine_of_roughness(0.2), rough = mean_cosine_of_roughness(0.8);
@@ -268,7 +268,7 @@ TEST_P(Families, LobesTellSharpFromRough) {
     if (planar) *third = reference::planar_sample({0.0, 0.0, *third}, true).z;
   for (std::size_t l = 3; l < mipmap.levels.size(); ++l)
     for (std::size_t i = 0; i < mipmap.levels[l].lobes[0].size(); ++i) {
-      double near = 0.0;  // share of lobes that are one or the other
+      double near = 0.0;  // share of lobes with one of both widths
       for (const auto& lobes : mipmap.levels[l].lobes) {
         const double length = static_cast<double>(lobes[i].z / std::max(lobes[i].w, 1e-6f));
         if (std::abs(length - sharp) < 0.02 || std::abs(length - rough) < 0.03) near += static_cast<double>(lobes[i].w);
@@ -279,7 +279,7 @@ TEST_P(Families, LobesTellSharpFromRough) {
 
 TEST(Roughness, NoneAndFullOfIt) {
   const NormalMap map = bumpy_map(64, 64, 41);
-  // None: the normals as they are, fitted as such.
+  // If no texel has roughness, normals are fitted as unit vectors.
   const MovmfMipmap none = bake(map, nullptr, true);
   NormalMap half = map;
   for (std::vector<float>* plane : {&half.x, &half.y, &half.z})
@@ -326,14 +326,14 @@ TEST(Roughness, MomentsHoldTheFacetsSlopes) {
       EXPECT_NEAR(none.levels[l].slopes[i].ss, plain.levels[l].slopes[i].ss, 1e-6);
 }
 
-// A finest texel is the vMF of its normal's length, every coarser one a plain mean of these.
+// A finest texel is a vMF whose mean cosine is its normal's length; coarser texels are means of finest texels.
 TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   constexpr int kOrder = 7;
   NormalMap unit = bumpy_map(8, 6, 45);
   NormalMap map = shortened(unit, 46);
   map.is_shortened = true;
   for (std::vector<float>* plane : {&map.x, &map.y, &map.z})
-    for (float& value : *plane) value *= 0.999f;  // kappa up to 1000, which the quadrature resolves
+    for (float& value : *plane) value *= 0.999f;  // kappa up to 1000, which the quadrature can resolve
   const AverageInputs inputs;
   AverageReport report;
   const ShMipmap rough = bake_sh(test_device(), kOrder, map, nullptr, inputs, report, nullptr);
@@ -348,15 +348,15 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
       for (int m = -l; m <= l; ++m) {
         const auto k = static_cast<std::size_t>(sh_coefficient(l, m));
         const double expected = zonal[static_cast<std::size_t>(l)] * basis[k];
-        // The quadrature's own error; harmonics-of-rough-normals has the kernel's, 5e-5
-        // (host/lab/selftest/sh_cases.cpp).
+        // The tolerance is the quadrature's own error; the case harmonics-of-rough-normals
+        // (host/lab/selftest/sh_cases.cpp) bounds the kernel's error, 5e-5.
         EXPECT_NEAR(rough.levels[0].value(static_cast<int>(k), i), expected, 5e-4) << kappa << ": " << l << ", " << m;
         means[k] += expected / static_cast<double>(map.x.size());
       }
   }
   for (std::size_t k = 0; k < means.size(); ++k)
     EXPECT_NEAR(rough.levels.back().value(static_cast<int>(k), 0), means[k], 2e-4) << k;
-  // Of no roughness anywhere the same bytes as without, since a length of 1 is a direction.
+  // A roughness of 0 everywhere gives the same bytes as no roughness, since a length of 1 is a direction.
   unit.is_shortened = true;
   const ShMipmap none = bake_sh(test_device(), kOrder, unit, nullptr, inputs, report, nullptr);
   unit.is_shortened = false;
@@ -364,7 +364,7 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   for (std::size_t l = 0; l < plain.levels.size(); ++l) EXPECT_TRUE(none.levels[l].parts == plain.levels[l].parts) << l;
 }
 
-// Diffuse light takes the mean roughness out of the bands again.
+// Diffuse light removes the mean roughness from the bands again.
 TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   const NormalMap unit = bumpy_map(32, 32, 47);
   for (const double c : {1.0, 0.98, 0.7, 0.5}) {
@@ -384,10 +384,10 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   }
 }
 
-// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes:
-// docs/contributing/ALGORITHMS.md, "Roughness and material features", has the table, whose figures are rounded and of
-// another seed of noise. A roughness that varies costs up to four times the error: a sample that stood for one facet
-// would cost 12.4 % where 6.8 % are stated.
+// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes. The table is in
+// docs/contributing/ALGORITHMS.md, "Roughness and material features"; its figures are rounded and use another seed of
+// noise. Varying roughness multiplies the error by up to four. If a sample were one facet, the error would be 12.4 %
+// instead of the stated 6.8 %.
 TEST(Roughness, ErrorsAreThoseOfTheTable) {
   const NormalMap quarters = make_four_quarter_map(256, 7).normals;
   const auto error_with = [&](const std::function<double(int, int)>& roughness) {
@@ -416,13 +416,13 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
   EXPECT_NEAR(constant.second / 0.068, 1.0, kOfTable);
   EXPECT_NEAR(noise.first / 0.256, 1.0, kOfTable);
   EXPECT_NEAR(noise.second / 0.275, 1.0, kOfTable);
-  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table's are of another length, which level 2 shows
+  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table's waves have another length, which level 2 shows
   EXPECT_GT(waves.first, 1.5 * constant.first);
   EXPECT_LT(waves.first, noise.first);
 }
 
-// Where normals at random are what lobes cannot follow, a roughness that varies adds nothing to the measured error; of
-// other maps ErrorsAreThoseOfTheTable says what it does.
+// Lobes cannot follow random normals, so that varying roughness does not raise the measured error.
+// ErrorsAreThoseOfTheTable covers other maps.
 TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
   const NormalMap bumps = bumpy_map(128, 128, 44);
   const auto error_with = [&](const std::function<double(int, int)>& roughness) {
@@ -448,7 +448,7 @@ TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
   };
   const double constant = error_with([](int, int) { return 0.45; });
   const double varying = error_with([](int x, int y) { return 0.45 + 0.2 * std::sin(x * 0.3) * std::cos(y * 0.2); });
-  EXPECT_NEAR(constant, 0.183, 0.02);  // measured of these bumps
+  EXPECT_NEAR(constant, 0.183, 0.02);  // the measured error for these bumps
   EXPECT_LT(varying, constant + 0.02) << "constant: " << constant;
 }
 

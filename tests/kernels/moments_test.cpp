@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/moments.cl against averages in double, over sizes that nest and sizes that do not, in bands of any height.
+// Compares kernels/moments.cl with averages in double, for sizes that nest and sizes that do not, with bands of any
+// height.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +29,8 @@ MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const
   return bake_moments(test_device(), map, albedo, inputs, report, nullptr);
 }
 
-// Pairwise sums of up to 2^15 texels along a row, compensated ones down the rows, and two roundings at the ends: some
-// 2^-24 of the largest term a step, of terms as large as the largest that the texel covers.
+// Sums are pairwise along a row of up to 2^15 texels and compensated down the rows, with two roundings at the ends.
+// Each step errs by some 2^-24 of the largest term that the texel covers.
 constexpr double kMomentTolerance = 1.5e-6;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const MomentMipmap& baked) {
@@ -83,7 +84,7 @@ TEST_P(MomentKernelTest, RandomNormalsEqualTheReference) {
   expect_near_reference(map, &colours, bake(map, &colours));
 }
 
-// Whatever memory there is, and from whatever level on.
+// The bytes do not depend on the available memory or on the first level.
 TEST_P(MomentKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 0.05, 23);
@@ -99,7 +100,7 @@ TEST_P(MomentKernelTest, BandsOfAnyHeightAreTheSameBytes) {
       std::optional<MomentMipmap> baked;
       try {
         baked = bake(map, &colours, inputs);
-      } catch (const Error& error) {  // not even a row
+      } catch (const Error& error) {  // the memory does not hold a single row
         ASSERT_EQ(error.code(), ErrorCode::kUsage) << error.what();
         ASSERT_NE(std::string(error.what()).find("--memory"), std::string::npos) << error.what();
         continue;
@@ -119,7 +120,7 @@ TEST_P(MomentKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   }
 }
 
-// Every finest texel counts fully once a level: the means of all levels are one, weighted by what texels cover.
+// Every finest texel counts once per level, so that all levels have the same mean, weighted by covered area.
 TEST_P(MomentKernelTest, EveryLevelHasTheSameMean) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 0.3, 29);
@@ -129,7 +130,7 @@ TEST_P(MomentKernelTest, EveryLevelHasTheSameMean) {
   for (std::size_t l = 0; l < baked.levels.size(); ++l) {
     glm::dvec3 mean(0.0);
     double square = 0.0;
-    const auto count = static_cast<double>(baked.levels[l].normals.size());  // texels of a level are of one size
+    const auto count = static_cast<double>(baked.levels[l].normals.size());  // texels of a level have equal areas
     for (const glm::vec3& n : baked.levels[l].normals) mean += glm::dvec3(n) / count;
     for (const SlopeMoments& m : baked.levels[l].slopes) square += static_cast<double>(m.ss) / count;
     if (l == 0) {
@@ -150,7 +151,7 @@ TEST(MomentClosedFormTest, AConstantMapHasNoVariance) {
         const SlopeMoments& m = level.slopes[i];
         EXPECT_NEAR(static_cast<double>(m.s), -n.x / n.z, 1e-6);
         EXPECT_NEAR(static_cast<double>(m.t), -n.y / n.z, 1e-6);
-        // A hundredth of the least slope deviation that floats are said to keep, squared.
+        // One hundredth of the least documented slope deviation in floats, squared.
         EXPECT_NEAR(static_cast<double>(m.ss - m.s * m.s), 0.0, 1e-6);
         EXPECT_NEAR(static_cast<double>(m.tt - m.t * m.t), 0.0, 1e-6);
         EXPECT_NEAR(static_cast<double>(glm::length(level.normals[i])), 1.0, 1e-6);
@@ -158,7 +159,7 @@ TEST(MomentClosedFormTest, AConstantMapHasNoVariance) {
   }
 }
 
-// A V-groove of slopes +b and -b: E[b] = 0, E[b^2] = b^2 exactly from level 1 on; of powers of two nothing is rounded.
+// A V-groove of slopes +b and -b: E[b] = 0 and E[b^2] = b^2 exactly from level 1 on; powers of two need no rounding.
 TEST(MomentClosedFormTest, AGrooveHasTheSquareOfItsSlope) {
   const MomentMipmap baked =
       bake(make_map(64, 32, [](int x, int) { return glm::dvec3(x % 2 == 0 ? 0.6 : -0.6, 0.0, 0.8); }));
@@ -174,9 +175,9 @@ TEST(MomentClosedFormTest, AGrooveHasTheSquareOfItsSlope) {
     }
 }
 
-// Of a cap of a sphere around the pole, r the distance from it: slope r / sqrt(1 - r^2), so that over the disc of
-// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, that of n_z 2 (1 - (1 - R^2)^1.5) / (3 R^2). The square that
-// holds the disc is flat outside. 256 texels across count the disc's edge to about 1 %.
+// A cap of a sphere around the pole, with distance r from the pole: the slope is r / sqrt(1 - r^2). Over the disc of
+// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and that of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The square
+// around the disc is flat outside it. 256 texels across resolve the disc's edge to about 1 %.
 TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
   constexpr int kSize = 256;
   constexpr double kRadius = 0.9;
@@ -196,7 +197,7 @@ TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
   EXPECT_NEAR(static_cast<double>(baked.levels.back().normals[0].z), z, 1e-3);
 }
 
-// Slopes have no bound, their moments have: |b| <= 20, products <= 400, and every one is counted.
+// Slopes have no bound, but their moments do: |b| <= 20, products <= 400, and every clamped one is counted.
 TEST(MomentHardCaseTest, NormalsAtTheRimAreBoundedAndCounted) {
   AverageReport report;
   const NormalMap map = make_map(8, 4, [](int x, int y) {
@@ -214,14 +215,14 @@ TEST(MomentHardCaseTest, NormalsAtTheRimAreBoundedAndCounted) {
       EXPECT_LE(m.ss + m.tt, 400.0f * 1.000001f);
     }
   EXPECT_EQ(baked.levels[0].slopes[0].s, -20.0f);
-  EXPECT_GT(baked.levels[0].slopes[1].t, 19.99f);  // -y up: the surface rises along +t
+  EXPECT_GT(baked.levels[0].slopes[1].t, 19.99f);  // -y is up: the surface rises along +t
   expect_near_reference(map, nullptr, baked);
 }
 
 TEST(MomentHardCaseTest, CancellingIsHeard) {
   const NormalMap map = random_map(64, 64, 0.3, 31);
   AverageInputs inputs;
-  inputs.memory_bytes = 40 * 1024;  // a few rows a band
+  inputs.memory_bytes = 40 * 1024;  // a few rows per band
   int calls = 0;
   std::uint64_t done = 0, total = 0;
   Progress cancels([&](const ProgressEvent& event) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// movmf_choose against the double reference, which tries every way, on random texels beside random neighbours; the
-// scalar against the vector variant, bit for bit.
+// Compares movmf_choose with the double reference, which tries every way, on random texels with random neighbours. The
+// scalar and the vector variant must agree bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void PrintTo(const ChoiceCase& c, std::ostream* out) {
        << (c.order == MULTUM_ORDER_AGAIN ? ", again" : "");
 }
 
-// A level whose texels of the colour (1, 0) are to be fitted: of the others some are done.
+// A level whose texels of colour (1, 0) are to be fitted; some texels of other colours are done.
 struct ChoiceLevel {
   ChoiceCase which;
   int parent_width, parent_height;
@@ -51,7 +51,7 @@ Lobes random_lobes(int lobe_count, int texels, bool planar, std::mt19937& random
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
   Lobes lobes(static_cast<std::size_t>(lobe_count * texels));
   for (std::size_t i = 0; i < lobes.size(); ++i) {
-    // Lobe j everywhere near the same direction, as aligned ones are; one in five is dead.
+    // Lobe j is near one direction everywhere, as in aligned levels; one in five is dead.
     const auto turn = 6.28f * static_cast<float>(i / static_cast<std::size_t>(texels)) / static_cast<float>(lobe_count);
     const glm::vec3 near(std::cos(turn), std::sin(turn), 1.0f);
     const glm::vec3 r = glm::normalize(near + 0.8f * glm::vec3(uniform() - 0.5f, uniform() - 0.5f, 0.0f));
@@ -69,7 +69,7 @@ ChoiceLevel random_level(const ChoiceCase& c, unsigned seed) {
   ChoiceLevel level{c, std::max(1, c.width / 2), std::max(1, c.height / 2), {}, {}, {}, {}};
   glm::dvec3 last(0.0, 0.0, 1.0);
   for (int i = 0; i < 4 * c.width * c.height; ++i) {
-    // One normal in four is equal to that before it: ties.
+    // One normal in four equals the previous one, which gives ties.
     const double x = uniform(), y = uniform();
     if (random() % 4 != 0) last = glm::normalize(glm::dvec3(2.0 * x - 1.0, 2.0 * y - 1.0, 0.7));
     const glm::dvec3 n = c.shortened ? last * (0.6 + 0.4 * uniform()) : last;
@@ -95,7 +95,7 @@ std::vector<int> fitted_texels(const ChoiceCase& c) {
 
 struct Chosen {
   Lobes level;
-  std::vector<int> ways;        // of the fitted texels
+  std::vector<int> ways;        // one per fitted texel
   std::vector<float> features;  // [lobe][texel][3]
 };
 
@@ -147,10 +147,10 @@ reference::SampleSums sums_of(const MultumVmfLobe& lobe, bool planar) {
   return reference::sums_of_lobe({lobe.mean_x, lobe.mean_y, lobe.mean_z}, static_cast<double>(lobe.amplitude), planar);
 }
 
-// Position i of `size`, or the nearest, or that of the level repeated.
+// Returns position i in `size`: clamped, or wrapped if the level repeats.
 int inside(int i, int size, bool periodic) { return periodic ? (i + size) % size : std::clamp(i, 0, size - 1); }
 
-// What lies around texel (x, y).
+// Returns the sums of the neighbours of texel (x, y).
 std::vector<reference::SampleSums> around_texel(const ChoiceLevel& level, int x, int y) {
   const ChoiceCase& c = level.which;
   const auto count = static_cast<std::size_t>(c.lobes);
@@ -172,7 +172,7 @@ std::vector<reference::SampleSums> around_texel(const ChoiceLevel& level, int x,
     for (int dx = -1; dx <= 1; ++dx) {
       if (!c.periodic && (x + dx < 0 || x + dx >= c.width || y + dy < 0 || y + dy >= c.height)) continue;
       const int nx = inside(x + dx, c.width, true), ny = inside(y + dy, c.height, true);
-      // Colours (0, 0) and (1, 1) are done before (1, 0), and (0, 1) after it.
+      // Colours (0, 0) and (1, 1) are done before (1, 0), and (0, 1) is done after it.
       const bool done = nx % 2 == ny % 2 || (c.order == MULTUM_ORDER_AGAIN && !is_fitted(nx, ny));
       if (!done) continue;
       neighbours.emplace_back();
@@ -194,8 +194,8 @@ std::vector<glm::dvec3> covered(const ChoiceLevel& level, const std::vector<floa
 
 class MovmfChooseTest : public ::testing::TestWithParam<ChoiceCase> {};
 
-// Costs of ways are roundings of some 1e-6 of the cost apart from the reference's: of ways that differ by less either
-// may be taken. Whichever it is, lobes are the means of their normals.
+// Rounding moves a way's cost by some 1e-6 from the reference's cost, so that either of two closer ways may win.
+// Whichever way wins, lobes are the means of their normals.
 TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
   const ChoiceCase c = GetParam();
   const ChoiceLevel level = random_level(c, 20061u + static_cast<unsigned>(c.lobes));
@@ -240,7 +240,7 @@ TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
       EXPECT_NEAR(4.0 * found.square, own.square, 4e-6);
     }
   }
-  EXPECT_GE(shared, texels.size() / 8) << "else the test tries one normal a lobe alone";
+  EXPECT_GE(shared, texels.size() / 8) << "otherwise the test tries only one normal per lobe";
 }
 
 TEST_P(MovmfChooseTest, LeavesOtherTexelsAlone) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The EM kernels against the double reference on random maps; the scalar against the vector variant, bit for bit.
+// Compares the EM kernels with the double reference on random maps; scalar and vector variants must agree bit for bit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr Representation kGmm = Representation::kGmm;
 
-// Three facets with some roughness: what EM should find.
+// Makes three facets with some roughness, which EM should find.
 NormalMap random_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int, int) {
@@ -60,9 +60,9 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 class MovmfEmTest : public ::testing::TestWithParam<Case> {};
 
-// Tolerances. One E-step in fp32 errs by some 1e-6 in each sum; EM amplifies that by at most the growth of its
-// differences between iterations, below 10 over 4 iterations on these maps: 2e-5 would do, 1e-4 is asserted for (a r,
-// a), except that 1 lobe in 200 may be where two lobes compete evenly (then 1e-2).
+// Tolerances: one E-step in fp32 errs by some 1e-6 in each sum. EM amplifies that by at most the growth of its
+// differences between iterations, below 10 over 4 iterations on these maps. Hence 2e-5 would do; the bound is 1e-4 for
+// (a r, a). One lobe in 200 may be where two lobes compete evenly; its bound is 1e-2.
 TEST_P(MovmfEmTest, EqualsReference) {
   const Case c = GetParam();
   const unsigned seed = 20061u + static_cast<unsigned>(c.width * 7 + c.level);
@@ -115,14 +115,14 @@ INSTANTIATE_TEST_SUITE_P(Maps, MovmfEmTest,
                                            Case{1, 37, 1, 4}, Case{64, 1, 3, 2},
                                            Case{50, 70, 2, 2, FitMethod::kChunks}));
 
-// The same of planar Gaussians, whose lobes and references are (mean x, mean y, sigma^2).
+// The same test for planar Gaussians, whose lobes and references are (mean x, mean y, sigma^2).
 INSTANTIATE_TEST_SUITE_P(
     Gaussians, MovmfEmTest,
     ::testing::Values(Case{32, 32, 1, 4, FitMethod::kTexels, kGmm}, Case{32, 32, 3, 8, FitMethod::kTexels, kGmm},
                       Case{37, 21, 2, 3, FitMethod::kTexels, kGmm}, Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
                       Case{64, 64, 5, 4, FitMethod::kChunks, kGmm}, Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
 
-// Both ways to sum must agree: which one runs is a matter of a texel's size alone.
+// A texel's size decides which of two ways of summing runs; both must agree.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {
   const NormalMap map = random_map(64, 64, 5);
   const auto parent = random_parent(map, 4, 4, 6);
@@ -143,7 +143,7 @@ double difference(const MultumVmfLobe& lobe, const reference::Moments& expected)
   return std::max(std::abs(a - expected.amplitude), glm::length(a * r - expected.amplitude * expected.r));
 }
 
-// What no share of normals changes, in the sum over a texel's lobes: of Gaussians E[x^2 + y^2] is one.
+// The part of r whose sum over a texel's lobes does not depend on the shares; for Gaussians it includes E[x^2 + y^2].
 glm::dvec3 kept_by_shares(const glm::dvec3& r, Representation representation) {
   return representation == kGmm ? glm::dvec3(r.x, r.y, 2.0 * r.z + r.x * r.x + r.y * r.y) : r;
 }
@@ -161,7 +161,7 @@ struct BinnedCase {
   Representation representation = Representation::kMovmf;
 };
 
-// Facets with steep outliers: axes must not be stretched by them.
+// Makes facets with steep outliers, which must not stretch the axes.
 NormalMap facets_with_outliers(int width, int height) {
   NormalMap map = random_map(width, height, 91);
   for (std::size_t i = 0; i < map.x.size(); i += 97) {
@@ -181,9 +181,9 @@ class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
   LevelFit how_ = binned_fit(GetParam().level, GetParam().representation);
 };
 
-// Binned texels lose where a normal lies in its cell, and nothing else: 4 iterations end close to the reference on
-// every normal. Cells are a 1/31 of the extent in the mean, lobes about a quarter: the blur is some 1/100 of a lobe's
-// spread, and moves what two lobes share by less than that. Each texel's mean normal is exact.
+// Binned texels lose only the place of a normal within its cell: 4 iterations end close to the reference, which uses
+// every normal. Cells are 1/31 of the mean extent, lobes about a quarter. The blur is some 1/100 of a lobe's spread and
+// moves the share of two competing lobes by less. Each texel's mean normal is exact.
 TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;
   const auto expected = fit_with_reference(map_, parent_, lobes_, how_);
@@ -214,7 +214,7 @@ TEST_P(BinnedTest, ScalarEqualsVectorBitForBit) {
   EXPECT_EQ(0, std::memcmp(vector.data(), scalar.data(), vector.size() * sizeof(MultumVmfLobe)));
 }
 
-// The map streams by in bands of rows: sums are whole numbers, so that no band can be seen in them.
+// The map is read in bands of rows. Sums are whole numbers, so that the bands' height does not change the result.
 TEST_P(BinnedTest, BandsOfAnyHeightGiveTheSameBytes) {
   const int all_rows = how_.bin_rows;
   for (const bool scalar : {false, true}) {
@@ -241,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(Maps, BinnedTest,
                                   (c.param.representation == kGmm ? "_gaussians" : "");
                          });
 
-// One normal over and over has no extent at all.
+// A map of one repeated normal has no extent.
 TEST(CondensedFlatTest, OneNormalStaysWhole) {
   const NormalMap map = make_map(64, 64, [](int, int) { return glm::normalize(glm::dvec3(0.3, -0.2, 0.9)); });
   const auto found = fit_with_kernels(map, random_parent(map, 5, 2, 8), 2, binned_fit(5));
@@ -253,7 +253,7 @@ TEST(CondensedFlatTest, OneNormalStaysWhole) {
   }
 }
 
-// A texel stops when it has settled, whatever its group does: both variants agree, fewer iterations change little.
+// A texel stops once it has settled, whatever its group does: variants agree, and fewer iterations change little.
 TEST(SettledTest, ScalarEqualsVectorAndTheLongRunIsNear) {
   const NormalMap map = random_map(128, 128, 15);
   const auto parent = random_parent(map, 3, 4, 16);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// movmf_refine against the double reference on random texels and hard ones; the scalar against the vector variant, bit
-// for bit.
+// Compares movmf_refine with the double reference on random texels and hard ones; scalar and vector variants must agree
+// bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,12 +24,12 @@ namespace {
 
 constexpr std::size_t kLanes = MULTUM_GROUP;
 
-using reference::RefinedTexel;  // here with samples and lobes as floats hold them
+using reference::RefinedTexel;  // here with samples and lobes rounded to float
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
 glm::dvec3 as_float(const glm::dvec3& v) { return {as_float(v.x), as_float(v.y), as_float(v.z)}; }
 
-// Lobes near facets that a fit might have left.
+// Makes lobes near facets, similar to the result of a fit.
 std::vector<reference::MeanLobe> random_lobes(const std::vector<glm::dvec3>& facets, std::mt19937& random) {
   const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
   std::vector<reference::MeanLobe> lobes;
@@ -43,7 +43,7 @@ std::vector<reference::MeanLobe> random_lobes(const std::vector<glm::dvec3>& fac
   return lobes;
 }
 
-// Facets with some roughness, lobes near them, and beside them up to four texels of much the same facets.
+// Makes facets with some roughness, lobes near them, and up to four neighbours with similar facets.
 RefinedTexel random_texel(std::size_t sample_count, std::size_t lobe_count, std::mt19937& random) {
   const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
   std::vector<glm::dvec3> facets;
@@ -65,8 +65,8 @@ double weight_of(const RefinedTexel& texel) {
   return total;
 }
 
-// Where a texel lies in a level so that as many lie beside it, in the order of movmf_refine.cl: on its left, on its
-// right, above, below. Where the level repeats, all do.
+// A place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left, right,
+// above, below. In a level that repeats, all four exist.
 struct Place {
   int width, height, x, y;
   bool repeats;
@@ -82,7 +82,7 @@ Place place_of(std::size_t beside_count, bool repeats) {
   return kPlaces[beside_count + (beside_count == 4 && repeats ? 1 : 0)];
 }
 
-// The kernel on one texel in slot 3 of a group whose other slots are unused.
+// Runs the kernel on one texel in slot 3 of a group; the other slots are unused.
 std::vector<MultumVmfLobe> run_kernel(const RefinedTexel& texel, int vector_width, bool repeats) {
   Device& device = test_device();
   const Place place = place_of(texel.beside.size(), repeats);
@@ -109,7 +109,7 @@ std::vector<MultumVmfLobe> run_kernel(const RefinedTexel& texel, int vector_widt
   std::size_t beside = 0;
   for (const auto& [dx, dy] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)})
     if (place.is_there(dx, dy)) put(texel.beside.at(beside++), static_cast<std::size_t>(place.number(dx, dy)));
-  // Poison: what no texel of the list owns must stay.
+  // Poison: the values of texels that are not in the list must stay.
   std::vector<MultumVmfLobe> refined(lobe_count * level_size, MultumVmfLobe{7.0f, 7.0f, 7.0f, 7.0f});
   MultumMovmfFit fit = {};
   fit.map_width = fit.width = place.width;
@@ -140,14 +140,14 @@ std::vector<MultumVmfLobe> run_kernel(const RefinedTexel& texel, int vector_widt
   return found;
 }
 
-// Both variants, which give the same bytes.
+// Runs both variants, which give the same bytes.
 std::vector<MultumVmfLobe> refined_by_kernel(const RefinedTexel& texel, bool repeats = false) {
   const std::vector<MultumVmfLobe> scalar = run_kernel(texel, 1, repeats), vector = run_kernel(texel, 16, repeats);
   EXPECT_EQ(0, std::memcmp(scalar.data(), vector.data(), scalar.size() * sizeof(MultumVmfLobe)));
   return scalar;
 }
 
-// The largest |a - a'| and |a r - a' r'| of a texel's lobes.
+// Returns the largest |a - a'| and |a r - a' r'| of a texel's lobes.
 double difference(const std::vector<MultumVmfLobe>& found, const std::vector<reference::MeanLobe>& expected) {
   double most = 0.0;
   for (std::size_t j = 0; j < found.size(); ++j) {
@@ -160,9 +160,8 @@ double difference(const std::vector<MultumVmfLobe>& found, const std::vector<ref
   return most;
 }
 
-// A step in fp32 errs by some 1e-6 (sums of up to 300 samples) and 3e-5 of kappa (kappa_of_mean_length). Damped steps
-// add these up, and where the energy has all but come to rest a step may be taken on one side and taken back on the
-// other.
+// A step in fp32 errs by some 1e-6 (sums of up to 300 samples) and by 3e-5 of kappa (kappa_of_mean_length). Damped
+// steps add these errors up. Near the minimum of the energy, one side may accept a step that the other side rejects.
 TEST(MovmfRefineTest, EqualsReference) {
   constexpr unsigned kSeed = 20271;
   std::mt19937 random(kSeed);
@@ -176,8 +175,8 @@ TEST(MovmfRefineTest, EqualsReference) {
     }
 }
 
-// What it is for: highlights come nearer and the mean normal stays about that of the samples. Never is a texel worse
-// than EM's.
+// Refining lowers the highlights' error and nearly keeps the samples' mean normal. A texel never gets worse than EM's
+// result.
 TEST(MovmfRefineTest, ComesNearerAndKeepsTheMeanNormal) {
   std::mt19937 random(31);
   int nearer = 0;
@@ -198,7 +197,7 @@ TEST(MovmfRefineTest, ComesNearerAndKeepsTheMeanNormal) {
     nearer += reference::seen_error(texel, refined) < 0.95 * reference::seen_error(texel, texel.lobes) ? 1 : 0;
     EXPECT_LT(glm::length(off), 2e-2);
     EXPECT_NEAR(amplitude, 1.0, 1e-6);
-    // From there no step leads up either.
+    // From the refined lobes, no further step lowers the energy.
     const RefinedTexel again{texel.samples, refined, texel.beside};
     EXPECT_LE(reference::refined_energy(again, reference::refine(again, 3)),
               reference::refined_energy(again, refined) + 1e-6);
@@ -206,7 +205,7 @@ TEST(MovmfRefineTest, ComesNearerAndKeepsTheMeanNormal) {
   EXPECT_GE(nearer, 8);
 }
 
-// The reference's steps end in a minimum of the energy, which its derivatives alone would not show.
+// The reference's steps end in a minimum of the energy; zero derivatives would not prove a minimum.
 TEST(MovmfRefineTest, ReferenceIsWhereNoLobeMovesNearer) {
   std::mt19937 random(7);
   const RefinedTexel texel = random_texel(100, 3, random);
@@ -222,7 +221,7 @@ TEST(MovmfRefineTest, ReferenceIsWhereNoLobeMovesNearer) {
       }
 }
 
-// All normals equal, lobes alike, a lobe without weight or without a direction, one normal, normals on the equator.
+// Tries equal normals, equal lobes, a lobe without weight or direction, a single normal, and normals on the equator.
 TEST(MovmfRefineTest, HardCases) {
   const glm::dvec3 up(0.0, 0.0, 1.0), tilted = as_float(glm::normalize(glm::dvec3(0.6, 0.1, 0.8)));
   std::vector<RefinedTexel> texels = {
@@ -232,7 +231,7 @@ TEST(MovmfRefineTest, HardCases) {
       {{{{1.0, 0.0, 0.0}, 1.0}, {{-1.0, 0.0, 0.0}, 1.0}}, {{{0.0, 0.0, 0.0}, 0.5}, {{0.0, 0.0, 0.0}, 0.5}}, {}},
       {{{up, 1.0}}, {{up, 0.5}, {0.3 * tilted, 0.5}}, {}},
       {{{{0.0, 1.0, 0.0}, 1.0}, {{0.0, -1.0, 0.0}, 3.0}}, {{{0.0, 0.9, 0.0}, 0.25}, {{0.0, -0.9, 0.0}, 0.75}}, {}}};
-  // The same beside a flat texel, and beside one that is the opposite, so that pooled lobes have no direction.
+  // The same texels next to a flat texel, and next to an opposite one, so that pooled lobes have no direction.
   for (std::size_t i = 0, count = texels.size(); i < count; ++i) {
     texels.push_back(texels[i]);
     texels.back().beside = {{{up, 1.0}, {up, 0.0}}, texels[i].lobes};
@@ -248,7 +247,7 @@ TEST(MovmfRefineTest, HardCases) {
     for (const MultumVmfLobe& lobe : found)
       refined.push_back({{lobe.mean_x, lobe.mean_y, lobe.mean_z}, static_cast<double>(lobe.amplitude)});
     EXPECT_LE(reference::refined_energy(texel, refined), reference::refined_energy(texel, texel.lobes) + 2e-6) << i;
-    // Lobes that are alike part by what rounding says first.
+    // Rounding decides how equal lobes separate.
     if (texel.lobes[0].r != texel.lobes[1].r) {
       EXPECT_LT(difference(found, reference::refine(texel, MULTUM_REFINE_STEPS)), 2e-3) << i;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels' own exp2, log2 and inverse of A(kappa) against double; structs shared with the device; guards that
-// relaxed mathematics would delete.
+// Compares the kernels' own exp2, log2 and inverse of A(kappa) with double. Tests structs shared with the device, and
+// guards that relaxed mathematics would delete.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,15 +50,15 @@ TEST(NumericsTest, Log2) {
   }
 }
 
-// From kappa 0.003 (spread 0.999) to 1e6: at most 4e-5 of kappa, where Banerjee's formula is up to several per cent
-// off.
+// From kappa 0.003 (spread 0.999) to 1e6 the error is at most 4e-5 of kappa; Banerjee's formula errs by up to several
+// per cent.
 TEST(NumericsTest, KappaOfMeanLength) {
   std::vector<float> spreads;
   for (double spread = 1e-6; spread < 0.999; spread *= 1.0117) spreads.push_back(static_cast<float>(spread));
   for (double r = 0.5; r > 1e-3; r *= 0.97) spreads.push_back(static_cast<float>(1.0 - r));
   const auto values = evaluate(spreads, kKappa);
   for (std::size_t i = 0; i < spreads.size(); ++i) {
-    // The kernel sees r = 1 - spread rounded to float: so does the expectation.
+    // The kernel sees r = 1 - spread rounded to float, so the expected value uses the same r.
     const auto spread = static_cast<double>(spreads[i]);
     const double exact = spread < 0.05 ? 1.0 / spread : reference::kappa_of_mean_length(1.0 - spread);
     ASSERT_NEAR(static_cast<double>(values[i]) / exact, 1.0, 4e-5) << "spread " << spread;

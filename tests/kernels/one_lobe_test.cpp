@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/one_lobe.cl against double precision, over sizes that nest and sizes that do not, in bands of any height, and
-// against what is known of its results.
+// Compares kernels/one_lobe.cl with double precision, for sizes that nest and sizes that do not, with bands of any
+// height, and tests known properties of its results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ class Levels : public MaterialSink {
   std::vector<MaterialRows> levels;
 };
 
-// A map's other planes: alpha^2, occlusion, metalness.
+// The other planes of a map: alpha^2, occlusion, metalness.
 struct Material {
   std::vector<float> base_squared, occlusion, metalness;
 };
@@ -86,7 +86,7 @@ Material random_material(int width, int height, unsigned seed) {
   return material;
 }
 
-// alpha along and across the axis, and the axis in space, as a renderer has them of an exported texel.
+// Decodes an exported texel like a renderer: alpha along and across the axis, and the axis in space.
 reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   reference::OneLobe lobe;
   lobe.normal = glm::dvec3(level.normals[i]);
@@ -100,8 +100,8 @@ reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   return lobe;
 }
 
-// EM in float beside EM in double: both converge to the same place, of which rounding moves each step by some 1e-6 of
-// the lobe's width, sums of 1024 terms included. An axis is as sure as the lobe is long.
+// EM in float and EM in double converge to the same place; rounding moves each step by some 1e-6 of the lobe's width,
+// including sums of 1024 terms. An axis is less certain the rounder the lobe is.
 constexpr double kTolerance = 2e-4;
 
 void expect_near_reference(const NormalMap& map, const Material* material, const OneLobeSettings& settings) {
@@ -168,7 +168,7 @@ TEST_P(OneLobeTest, RandomNormalsEqualTheReference) {
     }
 }
 
-// Whatever memory there is, and however the device's work is cut: by bands, by lanes, by copies.
+// The bytes do not depend on the available memory or on how the work is divided: by bands, by lanes, by copies.
 TEST_P(OneLobeTest, BandsAndShapesAreTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 0.3, 23);
@@ -191,7 +191,7 @@ TEST_P(OneLobeTest, BandsAndShapesAreTheSameBytes) {
     std::vector<MaterialRows> levels;
     try {
       levels = fit(map, settings, &material, memory_bytes);
-    } catch (const Error& error) {  // not even a row
+    } catch (const Error& error) {  // the memory does not hold a single row
       ASSERT_EQ(error.code(), ErrorCode::kUsage) << error.what();
       continue;
     }
@@ -206,7 +206,7 @@ TEST_P(OneLobeTest, BandsAndShapesAreTheSameBytes) {
   expect_same(scalar);
 }
 
-// A surface of one normal reflects as its own roughness says, at every level and however it is tilted.
+// A surface of one normal keeps its own roughness at every level, however it is tilted.
 TEST(OneLobe, OneNormalKeepsItsRoughness) {
   for (const double slope : {0.0, 0.5, 20.0})
     for (const double roughness : {0.0, 0.1, 0.5, 1.0})
@@ -227,7 +227,7 @@ TEST(OneLobe, OneNormalKeepsItsRoughness) {
       }
 }
 
-// No lobe near the fitted one makes the samples likelier.
+// The fitted lobe gives the samples a higher likelihood than any lobe near it.
 TEST(OneLobe, IsTheLikeliest) {
   const NormalMap map = random_map(16, 16, 0.7, 31);
   OneLobeSettings settings;
@@ -239,7 +239,7 @@ TEST(OneLobe, IsTheLikeliest) {
   const int grid = sample_grid(3);
   const std::vector<glm::dvec2> slopes = reference::sampled_slopes(texel, facet_samples(grid), grid);
   const reference::OneLobe lobe = lobe_of(levels[3], 1);
-  // In the frame of the mean normal, which the slopes are in.
+  // Uses the frame of the mean normal, in which the slopes are given.
   glm::dvec3 z(0.0);
   for (int y = 0; y < 8; ++y)
     for (int x = 8; x < 16; ++x) {
@@ -269,7 +269,7 @@ TEST(OneLobe, IsTheLikeliest) {
   }
 }
 
-// Grooves: the axis lies across them, along which normals tilt, with one sign all over the map.
+// In a map of grooves the axis is across them, where normals tilt, with one sign all over the map.
 TEST(OneLobe, GroovesHaveOneAxis) {
   for (const double degrees : {0.0, 40.0, 90.0, 135.0}) {
     const double angle = degrees * M_PI / 180.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/mip_box.cl and kernels/reflectance_pyramid.cl against double precision.
+// Compares kernels/mip_box.cl and kernels/reflectance_pyramid.cl with double precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ std::vector<float> random_planes(const BoxMap& map, unsigned seed) {
   return planes;
 }
 
-// What texel (x, y) of a level of w x h covers, texel by texel: how much of each finest one lies in it.
+// Averages the finest texels that texel (x, y) of a level of w x h covers, weighted by the covered area of each.
 double covered_mean(const std::vector<float>& planes, const BoxMap& map, int plane, int w, int h, int x, int y) {
   const double x0 = static_cast<double>(x) * map.width / w, x1 = static_cast<double>(x + 1) * map.width / w;
   const double y0 = static_cast<double>(y) * map.height / h, y1 = static_cast<double>(y + 1) * map.height / h;
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MipBoxTest,
                          ::testing::Values(Size{1, 1}, Size{2, 2}, Size{1, 17}, Size{33, 1}, Size{16, 64}, Size{11, 7},
                                            Size{63, 65}, Size{37, 100}));
 
-// Along a row pairwise sums, down the rows compensated ones: a few roundings of numbers up to 1.5.
+// Sums are pairwise along a row and compensated down the rows: a few roundings of numbers up to 1.5.
 TEST_P(MipBoxTest, EveryTexelIsTheMeanOfWhatItCovers) {
   for (const int plane_count : {1, 3}) {
     const BoxMap map = {GetParam().width, GetParam().height, plane_count, 0};
@@ -81,14 +81,14 @@ TEST_P(MipBoxTest, BandsOfAnyHeightAreTheSameBytes) {
       const Pyramid banded = box_pyramid(test_device(), map, planes.data(), bytes);
       for (std::size_t l = 0; l < whole.levels.size(); ++l) EXPECT_EQ(banded.levels[l].values, whole.levels[l].values);
       ++bakes;
-    } catch (const Error& error) {  // not even a row
+    } catch (const Error& error) {  // the memory does not hold a single row
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
     }
   }
   EXPECT_GT(bakes, 3);
 }
 
-// The longest column there is: a plain float sum of 32768 numbers near 0.1 is off by some 1e-4 of itself.
+// The longest possible column: a plain float sum of 32768 numbers near 0.1 has a relative error of some 1e-4.
 TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   const BoxMap map = {1, 32768, 1, 0};
   std::vector<float> column;
@@ -101,8 +101,8 @@ TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   EXPECT_NEAR(static_cast<double>(pyramid.levels.back().values[0]), sum / map.height, 1e-8);
 }
 
-// A light behind the surface, in the viewer's direction, straight away from it; zero light: finite, and nothing below
-// 0.
+// Lights behind the surface, in the viewer's direction and opposite to it; zero light. Results are finite and not
+// negative.
 TEST(ReflectanceKernelTest, LightsFromAnywhere) {
   ReflectanceJob job;
   job.size = 16;
@@ -139,8 +139,8 @@ std::vector<reference::DistantLight> reference_lights(const ReflectanceJob& job)
   return lights;
 }
 
-// The same normals in double: what is left is float's error in the cosine, which the exponent multiplies: 1.2e-7 s of a
-// value at the foot of a lobe, in parts of the lobe's peak some 1e-6 for every s.
+// Compares with the same normals in double. The remaining error is that of the cosine in float, times the exponent:
+// 1.2e-7 s of a value at the foot of a lobe. For every s this is some 1e-6 of the lobe's peak.
 TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   for (const float exponent : {1.0f, 30.0f, 1000.0f, 1e5f}) {
     const ReflectanceJob job = job_of(exponent, 37);
@@ -169,14 +169,14 @@ TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   }
 }
 
-// Levels are averages over equal solid angles: the highlight's energy stays, however sharp it is.
+// Levels are averages over equal solid angles, so that the highlight keeps its energy, however sharp it is.
 TEST(ReflectanceKernelTest, EnergyStays) {
   ReflectanceJob job = job_of(1000.0f, 128);
   job.lights.resize(1);
   job.diffuse = glm::dvec3(0.0);
   const Pyramid pyramid = reflectance_pyramid(job, test_device());
   const ReflectanceFrame frame = reflectance_frame(job.viewer, job.up);
-  // The integral over normals, by quadrature about the half vector.
+  // Integrates over normals by quadrature about the half vector.
   const glm::dvec3 l = glm::normalize(job.lights[0].direction), h = glm::normalize(l + frame.viewer);
   const reference::PhongSurface surface = {1000.0, job.diffuse, job.specular};
   const ReflectanceFrame about = reflectance_frame(h, {0.0, 1.0, 0.0});
@@ -215,7 +215,7 @@ TEST(ReflectanceMappingTest, PlacesAndNormalsAreEachOthersInverse) {
   EXPECT_THROW(parse_reflectance_frame("{}", "x"), Error);
 }
 
-// Every texel has the solid angle 8 / size^2: by the corners' spherical quadrilateral.
+// Every texel has the solid angle 8 / size^2, computed from the spherical quadrilateral of its corners.
 TEST(ReflectanceMappingTest, AreasAreEqual) {
   const ReflectanceFrame frame;
   const auto normal = [&](int x, int y) { return reflectance_normal(frame, glm::dvec2(x / 64.0, y / 64.0)); };
@@ -226,7 +226,7 @@ TEST(ReflectanceMappingTest, AreasAreEqual) {
   }
 }
 
-// A white sphere of light on a white diffuse surface is seen as white, from every side: E = pi L, radiance k_d L.
+// A white surface in a white sphere of light is white from every side: E = pi L, radiance k_d L.
 TEST(EnvironmentLightsTest, AWhiteFurnace) {
   const EnvironmentMap white{64, 32, std::vector<glm::vec3>(64 * 32, glm::vec3(2.0f))};
   ReflectanceJob job = job_of(50.0f, 16);
@@ -237,7 +237,7 @@ TEST(EnvironmentLightsTest, AWhiteFurnace) {
   for (const float v : pyramid.levels[0].values) EXPECT_NEAR(v, 0.8f, 0.004f);
 }
 
-// A single bright texel shines from where it is: the middle is -Z, a quarter to the right +X.
+// A single bright texel shines from its own direction: the middle is -Z, a quarter to the right +X.
 TEST(EnvironmentLightsTest, DirectionsAreTheMaps) {
   using Case = std::pair<int, glm::dvec3>;
   for (const auto& [column, direction] : {Case{32, {0, 0, -1}}, Case{48, {1, 0, 0}}}) {
@@ -259,7 +259,7 @@ Pyramid tiny(WrapMode wrap) {
 }
 
 TEST(PyramidSampleTest, BordersAreAsTheHeaderSays) {
-  // Half a texel left of the first centre: the mean of the first texel and what lies beyond.
+  // Half a texel left of the first centre, the value is the mean of the first texel and its left neighbour.
   EXPECT_NEAR(sample_level(tiny(WrapMode::kPeriodic), 0, 0.0, 0.25)[0], 1.5, 1e-12);
   EXPECT_NEAR(sample_level(tiny(WrapMode::kClamp), 0, 0.0, 0.25)[0], 0.0, 1e-12);
   EXPECT_NEAR(sample_level(tiny(WrapMode::kMirror), 0, 1.0, 0.25)[0], 3.0, 1e-12);

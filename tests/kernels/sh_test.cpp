@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/sh_project.cl with mip_box.cl against averages of the basis in double, over sizes that nest and sizes
-// that do not, in bands of any height. Numerical cases of both: host/lab/selftest/sh_cases.cpp.
+// Compares kernels/sh_project.cl, run with mip_box.cl, against averages of the basis in double, for sizes that nest and
+// sizes that do not, with bands of any height. Numerical cases of both: host/lab/selftest/sh_cases.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ glm::dvec3 normal(const NormalMap& map, std::size_t i) {
   return {static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])};
 }
 
-// The basis is within 1e-5 of its bound at order 20 (selftest); averaging adds some 2^-24 a step.
+// At order 20 the basis is within 1e-5 of its bound (selftest); averaging adds some 2^-24 per step.
 constexpr double kShTolerance = 1e-5;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const ShMipmap& baked) {
@@ -97,7 +97,7 @@ TEST_P(ShKernelTest, RandomNormalsEqualTheReference) {
   expect_near_reference(map, &colours, bake(order, map, &colours));
 }
 
-// Whatever memory there is, and from whatever level on.
+// The bytes do not depend on the available memory or on the first level.
 TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const auto [order, width, height] = GetParam();
   NormalMap map = random_map(width, height, 0.0, 23);
@@ -106,7 +106,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const ColourMap colours = random_colours(width, height, 24);
   WeightMap weights;
   weights.count = 2;
-  const ColourMap weighted = random_colours(width, height, 25);  // which its planes point into
+  const ColourMap weighted = random_colours(width, height, 25);  // owns the memory of the planes
   weights.rgb_planes.push_back(planes_of(weighted));
   map.is_shortened = true;
   AverageInputs inputs;
@@ -121,7 +121,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
       std::optional<ShMipmap> baked;
       try {
         baked = bake(order, map, &colours, inputs);
-      } catch (const Error& error) {  // not even a row
+      } catch (const Error& error) {  // the memory does not hold a single row
         ASSERT_EQ(error.code(), ErrorCode::kUsage) << error.what();
         continue;
       }
@@ -136,7 +136,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   }
 }
 
-// A checkerboard of two opposite tilts: what is odd in x cancels to the last bit, what is even stays.
+// A checkerboard of two opposite tilts: terms odd in x cancel to the last bit, and even terms stay.
 TEST(ShClosedFormTest, OppositeTiltsCancelWhatIsOdd) {
   constexpr int kOrder = 8;
   const ShMipmap baked =
@@ -151,7 +151,7 @@ TEST(ShClosedFormTest, OppositeTiltsCancelWhatIsOdd) {
         }
 }
 
-// The zonal coefficients by their recurrences, against quadrature.
+// Compares the recurrences of the zonal coefficients with quadrature.
 TEST(ZonalTest, RecurrencesEqualQuadrature) {
   for (const double s : {1.0, 12.0, 20.0, 100.0, 500.0}) {
     const ZonalCoefficients found = zonal_blinn_phong(kShOrderMax, s);
@@ -166,7 +166,7 @@ TEST(ZonalTest, RecurrencesEqualQuadrature) {
   EXPECT_EQ(zonal_lambert(0).size(), 1u);
 }
 
-// What Han et al. have of it in section 5: 9 coefficients do for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
+// Han et al., section 5: 9 coefficients suffice for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
 TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
   const NormalMap map = random_map(64, 64, 0.0, 41);
   const auto worst = [&](int order, const AccuracyBrdf& brdf, double exponent) {
@@ -187,7 +187,7 @@ TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
 TEST(ShHardCaseTest, CancellingIsHeardAndOrdersAreChecked) {
   const NormalMap map = random_map(64, 64, 0.0, 31);
   AverageInputs inputs;
-  inputs.memory_bytes = 96 * 1024;  // a few rows a band
+  inputs.memory_bytes = 96 * 1024;  // a few rows per band
   int calls = 0;
   std::uint64_t done = 0;
   Progress cancels([&](const ProgressEvent& event) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texture inference against its objective in double precision and against Eigen's direct solution; what holds at the
-// bounds; what happens to texels that nothing looks at.
+// Compares texture inference with its objective in double precision and with Eigen's direct solution. Tests the
+// conditions at the bounds, and texels that no pixel sees.
 #include <gtest/gtest.h>
 
 #include <Eigen/SparseCholesky>
@@ -31,7 +31,7 @@ struct Case {
   InferenceForm form;
 };
 
-// Some views of one texture, with pixels that no texture fits exactly.
+// Several views of one texture, with pixels that no texture fits exactly.
 struct Problem {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
@@ -68,7 +68,7 @@ std::vector<double> colour_of(const std::vector<float>& texels, std::size_t colo
   return values;
 }
 
-// Half the gradient by central differences: exact for the quadratic part.
+// Returns half the gradient by central differences, which are exact for the quadratic part.
 double half_slope(const InferenceProblem& problem, std::vector<double> texels, std::size_t t, double h) {
   const double at = texels[t];
   texels[t] = at + h;
@@ -77,7 +77,7 @@ double half_slope(const InferenceProblem& problem, std::vector<double> texels, s
   return (above - objective(problem, texels)) / (4.0 * h);
 }
 
-// The minimum without bounds, of the normal equations in double, by Cholesky factorisation.
+// Returns the minimum without bounds: the normal equations in double, by Cholesky factorisation.
 Eigen::VectorXd direct_solution(const InferenceProblem& problem) {
   const FilterMatrix& first = *problem.matrices.front();
   const int n = first.layout().texel_count;
@@ -128,19 +128,19 @@ TEST_P(TextureInferenceTest, FindsWhatEigenFinds) {
   const InferenceResult result = inference.solve(problem.colours, {});
   for (std::size_t colour = 0; colour < 3; ++colour) {
     const Eigen::VectorXd expected = direct_solution(problem.of_colour(colour, c.pyramid_weight, 0.0));
-    ASSERT_GT(expected.minCoeff(), 0.0) << "the case is meant to end inside its bounds";
+    ASSERT_GT(expected.minCoeff(), 0.0) << "the solution must be inside the bounds";
     ASSERT_LT(expected.maxCoeff(), 1.0);
     const std::vector<double> found = colour_of(result.texels, colour);
     double worst = 0.0;
     for (std::size_t t = 0; t < found.size(); ++t)
       worst = std::max(worst, std::abs(found[t] - expected[static_cast<Eigen::Index>(t)]));
-    // Single precision times the condition of the coarse levels, about 1e3.
+    // Single precision times the condition number of the coarse levels, about 1e3.
     EXPECT_LE(worst, 5e-4) << "colour " << colour;
   }
 }
 
-// Kuhn-Tucker: the slope is 0 inside the bounds, and points outwards at them. Range regularisation keeps texels off the
-// bounds, or few at them where pixels pull hard: its g is finite there, as d is not 0.
+// Kuhn-Tucker conditions: the slope is 0 inside the bounds and points outwards at them. Range regularisation keeps
+// texels off the bounds. Where pixels pull hard a few may reach them, since g is finite there (d is not 0).
 TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
   const Case& c = GetParam();
   std::size_t at_bounds[2] = {0, 0};
@@ -161,13 +161,13 @@ TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
         at_bounds[has_range ? 1 : 0] += low || high ? 1 : 0;
         // g's third derivative is 6 / d^4 at the bounds: differences over 1e-6 err by 1e-7 of the range term.
         const double slope = half_slope(reference, texels, t, 1e-6);
-        const double tolerance = 3e-3;  // of slopes of 10 at x = 0
+        const double tolerance = 3e-3;  // slopes at x = 0 are about 10
         EXPECT_TRUE(high || slope >= -tolerance) << "texel " << t << " slope " << slope;
         EXPECT_TRUE(low || slope <= tolerance) << "texel " << t << " slope " << slope;
       }
     }
   }
-  EXPECT_GT(at_bounds[0], 0u) << "the case is meant to meet its bounds";
+  EXPECT_GT(at_bounds[0], 0u) << "the solution must reach the bounds";
   EXPECT_LT(at_bounds[1], at_bounds[0]);
 }
 
@@ -213,12 +213,12 @@ TEST(TextureInference, ExactPicturesGiveTheirTextureBack) {
   TextureInference inference(test_device(), {{&matrix, std::vector<float>(matrix.row_count(), 1.0f)}}, settings, 1);
   const std::vector<float> picture = inference.picture(texels);
   const InferenceResult result = inference.solve(picture, {});
-  // The finest levels alone are looked at by footprints of both their neighbours; all are seen here.
+  // Compares only the finest level, whose texels all are seen.
   for (std::size_t i = 0; i < 3 * 64; ++i) ASSERT_NEAR(result.texels[i], texels[i], 2e-3) << i;
 }
 
 TEST(TextureInference, PyramidalRegularisationDefinesEveryTexel) {
-  // Footprints that see the left half alone, all of one colour.
+  // Footprints that see only the left half, which has one colour.
   FilterMatrix matrix = random_matrix(32, 16, kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();
   std::vector<float> weights;
@@ -262,7 +262,7 @@ TEST(TextureInference, BlackPicturesAreBlackTextures) {
   for (const float value : result.texels) ASSERT_EQ(value, 0.0f);
 }
 
-// Without regularisation the system is singular wherever nothing looks: what is seen is solved, the rest stays finite.
+// Without regularisation the system is singular for unseen texels: seen texels are solved, the others stay finite.
 TEST(TextureInference, SingularSystemsStayFinite) {
   const FilterMatrix matrix = random_matrix(64, 64, kClamp, 40, 3);
   InferenceSettings settings;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies between host and device, mapped as on a CPU and copied as for a GPU: the same bytes either way.
+// Tests copies between host and device: mapped copies, as on a CPU, and plain copies, as on a GPU, give equal bytes.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -62,7 +62,7 @@ TEST_P(TransferTest, RangesOfSeveralBuffersAreWrittenAndRead) {
   });
 }
 
-// Each write is of more bytes than the pinned memory has so far, and follows the last before that is known to be done.
+// Each write is larger than the pinned memory so far, and starts before the previous write is known to be done.
 TEST_P(TransferTest, ManyGrowingWritesKeepTheirBytes) {
   std::vector<DeviceBuffer> buffers;
   for (std::size_t i = 0; i < 24; ++i) {
@@ -126,7 +126,7 @@ TEST(LaunchShape, FollowsFromTheDevice) {
   EXPECT_FALSE(shape.atomic_cells);
   EXPECT_EQ(shape.window_bytes_max, info.buffer_bytes_max);
   EXPECT_EQ(shape.window_bytes_useful, std::uint64_t{1} << 30);
-  // Teams need work-groups of their size and room for a block of samples.
+  // Teams need work-groups of their own size and memory for a block of samples.
   info.work_group_max = 32;
   EXPECT_EQ(LaunchShape::of(info).team_texels_max, 0u);
   EXPECT_EQ(LaunchShape::of(info).local_size, 32u);
@@ -155,7 +155,7 @@ TEST(LaunchTimes, AreOfTheLaunchesThatWereTimed) {
   EXPECT_EQ(device.launch_seconds().at("probe_layout"), last);
 }
 
-// A process uses a device for many jobs, and each counts its own.
+// A process uses a device for many jobs, and each job counts its own launches.
 TEST(DeviceCounts, BeginWithTheJob) {
   Device device = Device::when_needed({});
   const DeviceCounts all(device);

@@ -99,7 +99,7 @@ multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
 ```
 
 ```text
-  wool/: on a sphere at 32 texels a pixel plain 16.0 %, one lobe 29.4 %, chosen 21.8 %: fitted normals and roughness
+  wool/: on a sphere at 32 texels per pixel plain 16.0 %, one lobe 29.4 %, chosen 21.8 %: fitted normals and roughness
 ```
 
 The line names the view in which plain mips and one lobe differ most; the report has all views.

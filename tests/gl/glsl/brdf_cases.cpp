@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and turned away.
+// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and facing away.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// An expression of b.x and b.y over pairs of numbers, against `exact` of them as floats.
+// Compares an expression of b.x and b.y over pairs of numbers with `exact` at the same floats.
 struct PairComparison {
   std::string expression;
   std::vector<std::pair<double, double>> inputs;
@@ -54,7 +54,7 @@ void ggx_peak(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits, {"multum_ggx(b.x, b.y)", grid(alphas, ones), exact, true}, worst);
 }
 
-// V n.l, which is what is used: 0 where n.l is, however near 0 n.v is too.
+// The shader uses V n.l, which is 0 where n.l is 0, however near 0 n.v is.
 void smith_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exact = [](double n_l, double n_v) {
     if (n_l == 0.0) return 0.0;
@@ -92,7 +92,7 @@ void eighth_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// 1 - v.h beyond its ends: cosines that rounding left above 1, and views from below.
+// 1 - v.h outside 0 to 1: cosines that rounding left above 1, and views from below.
 void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits,
           {"multum_schlick(vec3(b.x), b.y).x", grid({0.0, 0.04, 1.0}, {-1.0, -1e-6, 0.0, 1e-6, 0.5, 1.0, 1.0001, 2.0}),
@@ -100,7 +100,7 @@ void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// d, q and e as a.xyz; over the peak, and the peak itself.
+// d, q and e are a.xyz; compares the ratio to the peak, and the peak.
 void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{
       "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
@@ -122,10 +122,10 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// What a shader knows of one BRDF, by its flags: f of one normal and of a lobe, over the peak; V; F.
+// The shader functions of one BRDF, selected by its flags: f of one normal and of a lobe, relative to the peak; V; F.
 struct FacetsOf {
   std::vector<std::string> flags;
-  std::string visibility, fresnel;  // expressions of c = b.w, a cosine
+  std::string visibility, fresnel;  // expressions of the cosine c = b.w
   double peak;
   std::function<double(double theta)> facets = {};
   std::function<double(double spread, double theta)> lobe_facets = {};
@@ -196,7 +196,7 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
   }
 }
 
-// Two terms, one of negative weight that outweighs the other far from the peak.
+// Two terms: far from the peak, the one with negative weight outweighs the other.
 void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
@@ -248,7 +248,7 @@ double ggx_facet_kappa(double alpha, double kappa, double e) {
   return facets;
 }
 
-// A lobe opposite to h that is as sharp as the facets: they cancel.
+// A lobe opposite to h and as sharp as the facets: they cancel.
 void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float alpha : {0.0025f, 0.5f, 1.0f})
@@ -263,11 +263,11 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
   compare_glsl(gl, edits, c, worst);
 }
 
-// The highlights of hard lobes: f(n . h) max(n . l, 0) over them, each term of facets with its own cosine.
+// The highlights of hard lobes: the mean of f(n . h) max(n . l, 0) over each; each term of facets has its own cosine.
 struct HighlightOf {
   std::vector<std::string> flags;
-  std::vector<glm::dvec2> terms;                                   // weight and kappa; as they are shaded
-  std::function<double(double spread, double theta)> lobe_facets;  // of a single term, by its own formula
+  std::vector<glm::dvec2> terms;                                   // weight and kappa of each term
+  std::function<double(double spread, double theta)> lobe_facets;  // for a single term with its own formula
   std::function<void(const ShaderProgram&)> set_uniforms;
 };
 
@@ -367,7 +367,7 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// As brdf/charlie.glsl has it of a lobe of amplitude 1: mean and variance of n . h.
+// The mean and variance of n . h over a lobe of amplitude 1, as in brdf/charlie.glsl.
 struct LobeProjection {
   double mean, variance;
 };
@@ -410,7 +410,7 @@ void charlie_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Both cosines 0, one of them, and none.
+// Both cosines are 0, one is 0, or neither is.
 void sheen_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_sheen_visibility(a.x, a.y) * a.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float n_l : {0.0f, 1e-6f, 1e-3f, 0.5f, 1.0f})
@@ -445,7 +445,7 @@ void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& w
   }
 }
 
-// Tables that hold their own index: what is read says where.
+// The tables hold their own indices, so that each value read tells its place.
 void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kFacets = 90, kDifferences = 19;
   GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};
@@ -471,37 +471,37 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
 }
 
 std::vector<GlslCase> facet_cases() {
-  const std::string longer = "a lobe longer than its amplitude is narrower than the BRDF alone",
-                    unit = "of the peak; absolute, of V and F",
-                    reason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
+  const std::string longer = "a lobe longer than its amplitude gives a highlight narrower than the BRDF's own",
+                    unit = "of the peak, or absolute for V and F",
+                    reason = "kappa's inverse has an error of 2.3e-4, in the peak and in the exponent";
   const SourceEdit unclamped = glsl_unclamped_spread();
-  const std::string of_all_directions = "normals of all directions alike: |r| / kappa is 0 / 0";
+  const std::string of_all_directions = "normals spread evenly over all directions: |r| / kappa is 0 / 0";
   const SourceEdit a_third = glsl_edit("r > 1e-3 ? r / kappa : 1.0 / 3.0", "r / kappa");
   return {
-      {{"glsl-facets-of-blinn-phong", "blinn_phong.glsl", longer, "the spread is held within 0 and 1", 6e-4, unit,
+      {{"glsl-facets-of-blinn-phong", "blinn_phong.glsl", longer, "the spread is clamped to 0 to 1", 6e-4, unit,
         reason},
        {unclamped},
        blinn_phong_facets,
        {"multum_facets", "multum_lobe_facets"}},
       {{"glsl-facets-of-cook-torrance", "torrance_sparrow.glsl, cook_torrance.glsl", longer,
-        "the spread is held within 0 and 1", 6e-4, unit, reason},
+        "the spread is clamped to 0 to 1", 6e-4, unit, reason},
        {unclamped},
        cook_torrance_facets,
        {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_fresnel"}},
-      {{"glsl-facets-of-ggx", "ggx.glsl, ggx_lobe.glsl", longer, "the spread is held within 0 and 1", 3e-3, unit,
-        "filters of textures place a lookup to 1/256 of a texel"},
+      {{"glsl-facets-of-ggx", "ggx.glsl, ggx_lobe.glsl", longer, "the spread is clamped to 0 to 1", 3e-3, unit,
+        "texture filters place a lookup to 1/256 of a texel"},
        {unclamped},
        ggx_facets,
        {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_ggx_lobe_shape",
         "multum_ggx_lobe_density"}},
-      {{"glsl-facet-kappa-of-opposite-lobes", "ggx_lobe.glsl", "a lobe opposite to h and as sharp: 0 / 0",
-        "the sum's length is held from 0", 3e-3, "relative", "of sums that cancel to 1e-7 of what they are of"},
+      {{"glsl-facet-kappa-of-opposite-lobes", "ggx_lobe.glsl", "a lobe opposite to h and of equal sharpness: 0 / 0",
+        "the sum's squared length is at least 1e-12", 3e-3, "relative", "sums that cancel to 1e-7 of their terms"},
        {glsl_edit("sqrt(max(sum * sum - 2.0 * facets * kappa * e, 1e-12))",
                   "sqrt(sum * sum - 2.0 * facets * kappa * e)")},
        facet_kappa_of_opposite_lobes,
        {"multum_ggx_facet_kappa"}},
-      {{"glsl-highlights-of-ggx", "ggx_lobe.glsl", longer, "the spread is held within 0 and 1", 5e-3, "of the peak",
-        "0.22 % of the cosine's model"},
+      {{"glsl-highlights-of-ggx", "ggx_lobe.glsl", longer, "the spread is clamped to 0 to 1", 5e-3, "of the peak",
+        "the cosine model's error of 0.22 %"},
        {unclamped},
        ggx_highlights,
        {"multum_lobe_highlight", "multum_movmf_ggx", "multum_movmf_ggx_facet_kappa", "multum_movmf_ggx_specular",
@@ -511,29 +511,29 @@ std::vector<GlslCase> facet_cases() {
        charlie_facets,
        {"multum_charlie", "multum_facets", "multum_lobe_facets", "multum_movmf_charlie", "multum_lobe_projection",
         "multum_visibility"}},
-      {{"glsl-sheens-at-grazing-angles", "charlie.glsl", "both cosines 0: 0.25 / 0, and inf times the cosine",
+      {{"glsl-sheens-at-grazing-angles", "charlie.glsl", "both cosines are 0: 0.25 / 0, then infinity times the cosine",
         "the denominator is at least 1e-6", 2e-6, "absolute", "a sum of floats"},
        {glsl_edit("0.25 / max(n_l + n_v - n_l * n_v, 1e-6)", "0.25 / (n_l + n_v - n_l * n_v)")},
        sheen_grazing,
        {"multum_sheen_visibility"}},
-      {{"glsl-highlights-of-charlie", "charlie.glsl", of_all_directions, "a third", 2.5e-3, "of the peak",
-        "0.22 % of the cosine's model"},
+      {{"glsl-highlights-of-charlie", "charlie.glsl", of_all_directions, "1/3 for |r| up to 1e-3", 2.5e-3,
+        "of the peak", "the cosine model's error of 0.22 %"},
        {a_third},
        charlie_highlights,
        {"multum_lobe_highlight", "multum_movmf_charlie_facet_kappa"}},
-      {{"glsl-facets-of-terms", "terms.glsl", "terms of negative weight darken what is far from the peak",
-        "their sum is held at 0 and above; nothing turned away", 6e-4, unit, reason},
+      {{"glsl-facets-of-terms", "terms.glsl", "terms of negative weight make light far from the peak negative",
+        "their sum is at least 0; facets that face away reflect nothing", 6e-4, unit, reason},
        {glsl_edit("return lobe.w * max(sum, 0.0);", "return lobe.w * sum;")},
        facets_of_terms,
        {"multum_lobe_facets"}},
       {{"glsl-highlights-of-hard-lobes", "blinn_phong.glsl, torrance_sparrow.glsl, terms.glsl", longer,
-        "the spread is held within 0 and 1", 2.5e-3, "of the peak", "0.22 % of the cosine's model"},
+        "the spread is clamped to 0 to 1", 2.5e-3, "of the peak", "the cosine model's error of 0.22 %"},
        {unclamped},
        highlights_of_hard_lobes,
        {"multum_lobe_highlight"}},
-      {{"glsl-measured-tables-at-their-ends", "measured.glsl", "the arc cosine of 1.0001; an index beyond the table",
-        "v . h within 0 and 1, indices within the table, nothing turned away", 3e-2, "absolute, of the index",
-        "the GL's arc functions: 5e-4 of an angle, 57 indices each"},
+      {{"glsl-measured-tables-at-their-ends", "measured.glsl", "the arc cosine of 1.0001; an index outside the table",
+        "v . h is clamped to 0 to 1, indices to the table; facets that face away reflect nothing", 3e-2,
+        "absolute error of the index", "the GL's arc functions: angle errors of 5e-4, times 57 indices per radian"},
        {glsl_edit("acos(clamp(v_h, 0.0, 1.0))", "acos(v_h)")},
        measured_tables,
        {"multum_facets", "multum_fresnel"}},
@@ -544,44 +544,45 @@ std::vector<GlslCase> facet_cases() {
 
 std::vector<GlslCase> glsl_brdf_cases() {
   std::vector<GlslCase> cases = {
-      {{"glsl-ggx-at-its-peak", "ggx.glsl", "1 - t^2 (1 - alpha^2) cancels near t = 1: per cent off at roughness 0.05",
-        "alpha^2 t^2 + e (2 - e), e = 1 - t: a sum of what is small", 5e-6, "relative", "two squares of float"},
+      {{"glsl-ggx-at-its-peak", "ggx.glsl",
+        "1 - t^2 (1 - alpha^2) cancels near t = 1: errors of a few per cent at roughness 0.05",
+        "alpha^2 t^2 + e (2 - e), e = 1 - t: a sum of small terms", 5e-6, "relative", "two squares in float"},
        {glsl_edit("x * t * t + e * (2.0 - e)", "1.0 - t * t * (1.0 - x)")},
        ggx_peak,
        {"multum_ggx"}},
-      {{"glsl-smith-at-grazing-angles", "ggx.glsl", "both cosines 0: 0.5 / 0, and inf times the cosine",
-        "the denominator is at least 1e-6", 2e-6, "absolute", "a root and four products of float"},
+      {{"glsl-smith-at-grazing-angles", "ggx.glsl", "both cosines are 0: 0.5 / 0, then infinity times the cosine",
+        "the denominator is at least 1e-6", 2e-6, "absolute", "a root and four products in float"},
        {glsl_edit("0.5 / max(masking + shadowing, 1e-6)", "0.5 / (masking + shadowing)")},
        smith_grazing,
        {"multum_smith_visibility"}},
-      {{"glsl-grooves-at-grazing-angles", "cook_torrance.glsl", "a cosine of 0 is divided by: inf times 0",
-        "quotients of the cosines' product and of the larger of them, both held from 0", 2e-6, "absolute",
-        "three products of float"},
+      {{"glsl-grooves-at-grazing-angles", "cook_torrance.glsl", "division by a cosine of 0: infinity times 0",
+        "divides by the cosines' product and by the larger cosine, which are at least 1e-8 and 1e-4", 2e-6, "absolute",
+        "three products in float"},
        {},
        groove_grazing,
        {"multum_groove_visibility"},
        {glsl_edit("max(n_l * n_v, 1e-8)", "(n_l * n_v)"), glsl_edit("max(max(n_l, n_v), 1e-4)", "max(n_l, n_v)")}},
       {{"glsl-second-zonal-of-broad-lobes", "vmf_zonal.glsl", "1 - 3 |r| / kappa cancels, and is 0 / 0 at r = 0",
-        "3/5 r^2 below r = 0.1", 5e-4, "absolute", "2.3e-4 of kappa's inverse"},
+        "3/5 r^2 below r = 0.1", 5e-4, "absolute", "kappa's inverse has an error of 2.3e-4"},
        {glsl_edit("r > 0.1 ?", "true ?")},
        second_zonal,
        {"multum_vmf_second_zonal"}},
       {{"glsl-eighth-zonal-of-every-kappa", "vmf_zonal.glsl", "the recurrence started from 0 fails for large kappa",
-        "started twelve orders above from the asymptotic quotient", 1e-4, "absolute",
+        "the recurrence starts twelve orders higher, with the asymptotic quotient", 1e-4, "absolute",
         "twelve orders leave 2.6e-5 at kappa 100"},
        {glsl_edit("float quotient = kappa / (middle + sqrt(middle * middle + kappa * kappa));",
                   "float quotient = 0.0;")},
        eighth_zonal,
        {"multum_vmf_zonal"}},
       {{"glsl-schlick-beyond-its-ends", "cook_torrance.glsl",
-        "a cosine above 1 reflects less than F0, one below 0 more", "1 - v.h within 0 and 1", 1e-6, "absolute",
-        "five products of float"},
+        "a cosine above 1 reflects less than F0, a negative one reflects too much", "1 - v.h is clamped to 0 to 1",
+        1e-6, "absolute", "five products in float"},
        {glsl_edit("clamp(1.0 - v_h, 0.0, 1.0)", "(1.0 - v_h)")},
        schlick_ends,
        {"multum_schlick"}},
-      {{"glsl-terms-of-every-spread", "terms.glsl", "1 - A of the convolution as 1 - |r| A(lambda): it cancels",
-        "d + (1 - d) q, a sum of what is small", 6e-4, "of the peak",
-        "2.3e-4 of kappa's inverse, in the peak and in the exponent"},
+      {{"glsl-terms-of-every-spread", "terms.glsl", "1 - A of the convolution cancels if computed as 1 - |r| A(lambda)",
+        "d + (1 - d) q, a sum of small terms", 6e-4, "of the peak",
+        "kappa's inverse has an error of 2.3e-4, in the peak and in the exponent"},
        {glsl_edit("d + (1.0 - d) * term_spread", "1.0 - (1.0 - d) * (1.0 - term_spread)")},
        terms_of_every_spread,
        {"multum_term"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environments of which the right answer is known, for the numerical cases of light/ and surface/.
+// Environments with known exact results, for the numerical cases of light/ and surface/.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@
 
 namespace multum::gl {
 
-/// light/environment_levels.glsl and what stands before it, and `texts` behind.
+/// Returns light/environment_levels.glsl with the texts that it needs, followed by `texts`.
 ShaderHarnessInput environment_variant(const std::string& texts);
 
-/// Every texel of every level the same.
+/// Makes a texture with `value` in every texel of every level.
 Texture flat_texture(const GlFunctions& gl, const glm::vec4& value);
 
-/// L(l) = mean + linear . l + l . Q l, grey, of a Q without a trace.
+/// L(l) = mean + linear . l + l . Q l, grey; Q has no trace.
 struct SmoothLight {
   double mean;
   glm::dvec3 linear;
 
   static glm::dmat3 quadratic();
-  /// The integral of L(l) max(n . l, 0), by quadrature.
+  /// Integrates L(l) max(n . l, 0) by quadrature.
   double irradiance(const glm::dvec3& n) const;
 };
 
@@ -33,10 +33,10 @@ void set_smooth_light(const ShaderProgram& program, const SmoothLight& light);
 constexpr int kLevelCount = 5;
 constexpr float kLevelSpreads[kLevelCount] = {1e-3f, 1e-2f, 0.1f, 0.5f, 0.9f};
 
-/// Uniforms of the levels, and of one term of the facets.
+/// Sets the uniforms of the levels and of one term of the facets.
 void set_levels(const ShaderProgram& program);
 
-/// The same light from everywhere, on a surface that reflects highlight() / radiance of it.
+/// Equal light from every direction, on a surface that reflects the share highlight() / radiance.
 class ConstantLight {
  public:
   explicit ConstantLight(const GlFunctions& gl);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of pyramids and of the lookups of texture_filter.glsl.
+// The numerical cases of pyramids and of the lookups in texture_filter.glsl.
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,7 @@ void level_of_no_extent(const GlFunctions& gl, const Edits& edits, WorstError& w
   compare_glsl(gl, edits, c, worst);
 }
 
-// From the viewer's direction to straight away from it, where every corner of the map is meant.
+// Normals from the viewer's direction to the opposite one, which maps to every corner of the map.
 void normals_straight_away(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_reflectance_place(a.xyz), 0.0, 0.0)", {}, {}};
   for (const double degrees : {0.0, 1e-4, 30.0, 89.999, 90.0, 90.001, 150.0, 179.0, 179.99, 179.9999, 179.999999})
@@ -48,7 +48,7 @@ void normals_straight_away(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// What the shader does with two derivatives, in double.
+// Computes the shader's footprint from two derivatives, in double.
 glm::dvec4 exact_footprint(const glm::dvec4& a, int taps_max, double size, double bias) {
   const glm::dvec2 along_x(a.x, a.y), along_y(a.z, a.w);
   const double x = glm::length(along_x), y = glm::length(along_y), longer = std::max(x, y), shorter = std::min(x, y);
@@ -66,7 +66,7 @@ ShaderHarnessInput filter_variant(int taps_max, float bias) {
   return variant;
 }
 
-// Round, long, one-dimensional and empty footprints; ratios just beside whole numbers.
+// Round, long, one-dimensional and empty footprints; ratios just below and above whole numbers.
 GlslInputs footprint_inputs() {
   GlslInputs inputs;
   for (const float x : {0.0f, 1e-12f, 0.25f, 1.0f, 3.0f, 1e4f})
@@ -92,7 +92,7 @@ void footprints_of_no_width(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Of one tap and of all together, the longer length alone.
+// Compares only the longer length, for one tap and for all taps together.
 void longer_lengths(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr float kBias = -0.5f;
   for (const int taps_max : {1, 4, 16}) {
@@ -109,7 +109,7 @@ void longer_lengths(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Of the first level of a map that keeps every second octave.
+// Footprints on the first level of a map that keeps every second octave.
 void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"test_other(a)", {}, {}};
   for (const float from : {1.0f, 37.0f, 64.0f, 4096.0f})
@@ -125,7 +125,7 @@ void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, Worst
   compare_glsl(gl, edits, c, worst);
 }
 
-// Columns and rows, by halving the longer side's points while the parts stay longer than wide.
+// Returns columns and rows: halves the points of the longer side while the parts stay longer than wide.
 glm::dvec2 exact_grid(double count, double along_x, double along_y) {
   const double ratio = std::max(along_x, along_y) / std::max(std::min(along_x, along_y), 1e-20);
   double across = 1.0;
@@ -133,7 +133,7 @@ glm::dvec2 exact_grid(double count, double along_x, double along_y) {
   return along_x > along_y ? glm::dvec2(count / across, across) : glm::dvec2(across, count / across);
 }
 
-// Round, long and one-dimensional footprints of any budget.
+// Round, long and one-dimensional footprints for every budget.
 void points_of_no_width(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison grids{
       "vec4(multum_point_grid(a.z, a.x, a.y), multum_lobe_points(a.z, a.w), "
@@ -169,35 +169,38 @@ void points_of_no_width(const GlFunctions& gl, const Edits& edits, WorstError& w
 std::vector<GlslCase> glsl_filter_cases() {
   const std::string file = "texture_filter.glsl";
   return {
-      {{"glsl-level-of-no-extent", "pyramid.glsl", "the logarithm of 0, where coordinates do not change",
-        "squares of at least 1e-30", 1e-4, "absolute, of the level", "the GL's log2"},
+      {{"glsl-level-of-no-extent", "pyramid.glsl", "the logarithm of 0 where coordinates do not change",
+        "the squared length is at least 1e-30", 1e-4, "absolute error of the level", "the GL's log2"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",
                   "max(dot(along_x, along_x), dot(along_y, along_y))")},
        level_of_no_extent,
        {"multum_mip_level"}},
-      {{"glsl-normals-straight-away", "pyramid.glsl", "1 + z cancels, and a normal straight away lies at 0 / 0",
-        "the projection's length from 1 - z; a corner where there is no direction", 1e-4, "absolute, of s and t",
-        "6e-8 of n_z at 90 degrees; elsewhere some roundings"},
+      {{"glsl-normals-straight-away", "pyramid.glsl", "1 + z cancels; a normal that faces straight away gives 0 / 0",
+        "the projection's length is computed from 1 - z; a normal straight away maps to a corner", 1e-4,
+        "absolute error of s and t", "n_z rounded by 6e-8 at 90 degrees; elsewhere a few roundings"},
        {glsl_edit("if (n.z > 0.0) return", "if (true) return")},
        normals_straight_away,
        {"multum_reflectance_place"}},
-      {{"glsl-footprints-of-no-width", file, "a length of 0 divides, and has no logarithm", "lengths of at least 1e-15",
-        2e-4, "absolute, of steps, taps and levels", "the GL's log2, of numbers down to 1e-15"},
+      {{"glsl-footprints-of-no-width", file, "a length of 0 is a divisor, and has no logarithm",
+        "lengths are at least 1e-15", 2e-4, "absolute error of steps, taps and levels",
+        "the GL's log2 of numbers down to 1e-15"},
        {glsl_edit("log2(max(width, 1e-15))", "log2(width)")},
        footprints_of_no_width,
        {"multum_footprint_of"}},
-      {{"glsl-footprints-on-another-size", file, "the level of one texture taken for another's",
-        "the octaves between their longer sides are added", 1e-4, "absolute, of levels", "the GL's log2"},
+      {{"glsl-footprints-on-another-size", file, "the level of one texture is used for a texture of another size",
+        "the difference of their longer sides in octaves is added", 1e-4, "absolute error of the level",
+        "the GL's log2"},
        {glsl_edit("footprint.level + octaves", "footprint.level")},
        footprints_on_another_size,
        {"multum_footprint_on"}},
-      {{"glsl-longer-lengths-of-footprints", file, "one tap without a step: the logarithm of 0", "that tap's own level",
-        2e-4, "absolute, of levels", "the GL's log2, of numbers down to 1e-15"},
+      {{"glsl-longer-lengths-of-footprints", file, "one tap has a step of 0: the logarithm of 0",
+        "the tap's own level is returned", 2e-4, "absolute error of the level",
+        "the GL's log2 of numbers down to 1e-15"},
        {glsl_edit("if (footprint.tap_count == 1) return footprint.level;", "")},
        longer_lengths,
        {"multum_footprint_longer_lod"}},
-      {{"glsl-points-of-no-width", "evaluations.glsl", "a length of 0 divides", "lengths of at least 1e-20", 1e-4,
-        "absolute, of points, places and alpha", "some roundings"},
+      {{"glsl-points-of-no-width", "evaluations.glsl", "a length of 0 is a divisor", "lengths are at least 1e-20", 1e-4,
+        "absolute error of points, places and alpha", "a few roundings"},
        {glsl_edit("max(min(along_x, along_y), 1e-20)", "min(along_x, along_y)")},
        points_of_no_width,
        {"multum_lobe_points", "multum_point_grid", "multum_point_place", "multum_geometry_variance",

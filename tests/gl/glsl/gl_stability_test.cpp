@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every numerical case of the GLSL formulas holds its bound, and breaks it without its guard, by Mesa's software
-// renderer; every function of the shaders has a case that notices when it is broken. With MULTUM_STABILITY_JSON=FILE in
-// the environment the verdicts are written there, for docs/contributing/STABILITY.md.
+// Tests the numerical cases of the GLSL formulas with Mesa's software renderer. Every case stays within its bound, and
+// exceeds its bound without its guard. Every shader function needs a case that notices when the function is broken. If
+// the environment has MULTUM_STABILITY_JSON=FILE, writes the verdicts to FILE for docs/contributing/STABILITY.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ TEST(GlslCases, HoldWithTheirGuardsAndBreakWithout) {
   if (const char* path = std::getenv("MULTUM_STABILITY_JSON")) write_text_file(path, case_json(run));
 }
 
-// A function of runtime_gl/shaders: its file, its name, and its text up to the brace.
+// A function of runtime_gl/shaders: its file, its name, and its text before the brace.
 struct Formula {
   std::string file, name, type, head;
 };
@@ -85,7 +85,7 @@ bool is_of(const GlslCase& c, const Formula& f) {
          std::find(c.functions.begin(), c.functions.end(), f.name) != c.functions.end();
 }
 
-// What takes pictures to see.
+// Functions whose faults show only in pictures.
 const std::map<std::string, std::string> kByPictures = {
     {"texture_filter.glsl multum_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_first_tap", "TextureFilterTest, TapsAreTheirsInDouble"},
@@ -140,7 +140,7 @@ TEST(GlslCases, EveryFormulaHasOne) {
     if (seen != kByPictures.end()) {
       const bool is_test = pictures.find("TEST_P(" + seen->second + ")") != std::string::npos ||
                            pictures.find("TEST_F(" + seen->second + ")") != std::string::npos;
-      EXPECT_TRUE(is_test) << seen->second << " is no test";
+      EXPECT_TRUE(is_test) << seen->second << ": unknown test";
       continue;
     }
     EXPECT_TRUE(std::any_of(glsl_cases().begin(), glsl_cases().end(), [&](const GlslCase& c) { return is_of(c, f); }))
@@ -153,7 +153,7 @@ TEST(GlslCases, EveryFormulaHasOne) {
           << c.text.name << " names " << function << ", which " << c.text.formula << " has not";
 }
 
-// Returns at once, something that no formula has.
+// Makes the function return at once, with a value that no formula gives.
 SourceEdit broken(const Formula& f) {
   const std::map<std::string, std::string> values = {
       {"void", ""},           {"MultumReflection", "MultumReflection(vec3(-7e8), vec3(-7e8))"}, {"uint", "7u"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of runtime_gl/shaders: as those of the kernels (host/lab/selftest), by the GL that a context has.
+// The numerical cases of runtime_gl/shaders, like those of the kernels (host/lab/selftest), run by a GL context.
 #pragma once
 
 #include <functional>
@@ -16,52 +16,52 @@
 namespace multum::gl {
 
 struct GlslCase {
-  NumericalCaseText text;           // its formula: a file, or some, "a.glsl, b.glsl"
-  std::vector<SourceEdit> without;  // what takes the guard out: each edit one guard, tried by itself
-  /// Adds errors; the shader's text is edited so.
+  NumericalCaseText text;           // names the formula's files, such as "a.glsl, b.glsl"
+  std::vector<SourceEdit> without;  // edits that remove a guard; each is tried separately
+  /// Runs the case with the edited shader and adds its errors.
   std::function<void(const GlFunctions& gl, const std::vector<SourceEdit>& edits, WorstError& worst)> run;
-  std::vector<std::string> functions = {};  // of these files, which the case is for: broken, they break its bound
-  std::vector<SourceEdit> mutation = {};    // a bug, all of these edits together; may be empty
+  std::vector<std::string> functions = {};  // functions that the case tests; if broken, they exceed its bound
+  std::vector<SourceEdit> mutation = {};    // a bug, made by all of these edits together; may be empty
 };
 
 const std::vector<GlslCase>& glsl_cases();
 
-/// Values of a and b at which an expression is taken.
+/// Values of a and b at which an expression is evaluated.
 using GlslInputs = std::vector<std::pair<glm::vec4, glm::vec4>>;
 
-/// The expression, a vec4 of a and b, at each of them; `variant`: flags, more formulas, uniforms and a texture.
+/// Evaluates the expression, a vec4 of a and b, at each input; `variant` adds flags, formulas, uniforms and a texture.
 std::vector<glm::vec4> evaluate_glsl(const GlFunctions& gl, const std::vector<SourceEdit>& edits,
                                      const std::string& expression, const GlslInputs& inputs,
                                      const ShaderHarnessInput& variant);
 
-/// An expression against `exact` of a and b as the shader sees them.
+/// Compares an expression with `exact` of a and b as the shader sees them.
 struct GlslComparison {
   std::string expression;
   GlslInputs inputs;
   std::function<glm::dvec4(const glm::dvec4& a, const glm::dvec4& b)> exact;
-  bool is_relative = false;  // to each exact value; else absolute
+  bool is_relative = false;  // errors relative to each exact value; else absolute
   ShaderHarnessInput variant = {};
 };
 
 void compare_glsl(const GlFunctions& gl, const std::vector<SourceEdit>& edits, const GlslComparison& comparison,
                   WorstError& worst);
 
-/// A unit vector, tilted by so many degrees from +z towards an azimuth in radians.
+/// Returns a unit vector tilted from +z by `degrees`, towards an azimuth in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);
 
-/// A vec4 of floats.
+/// Returns a vec4 of floats.
 glm::vec4 with(const glm::dvec3& v, double w);
-/// The unit vector between l and v, as multum_half_vector() has it: 0 where they point apart.
+/// Returns the unit vector between l and v, like multum_half_vector(): 0 if they are opposite.
 glm::dvec3 half_vector(const glm::dvec3& l, const glm::dvec3& v);
-/// Between vectors that are not quite of length 1, as a shader sees them.
+/// Returns the angle between vectors whose length is only nearly 1, as a shader sees them.
 double angle_between(const glm::dvec3& a, const glm::dvec3& b);
 
-/// The mean of max(n . l, 0) over a vMF of that mean direction and concentration: facets' kappa h + a lobe's kappa mu.
+/// Returns the mean of max(n . l, 0) over the vMF of kappa * direction = `sum`: facets' kappa h + a lobe's kappa mu.
 double highlight_cosine(const glm::dvec3& sum, const glm::dvec3& l);
 
-/// `text` of any formula becomes `replacement`.
+/// Replaces `text` in any formula.
 SourceEdit glsl_edit(const std::string& text, const std::string& replacement);
-/// Lobes longer than their amplitude have a negative spread then.
+/// Removes the clamp of the spread: lobes longer than their amplitude then have a negative spread.
 SourceEdit glsl_unclamped_spread();
 
 }  // namespace multum::gl

@@ -19,9 +19,9 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr int kUnrolledOrder = 4;  // 20 is tests/agreement's; compilers take loops apart
+constexpr int kUnrolledOrder = 4;  // tests/agreement runs 20; compilers unroll the loops
 
-// Coefficients of each set of directions, and what shades them; the texture has a row a set.
+// Shades the coefficients of each set of directions; the texture has one row per set.
 struct Harmonics {
   int order;
   std::vector<std::vector<glm::dvec3>> sets;
@@ -95,7 +95,7 @@ GlslInputs sets_and_directions(std::size_t set_count) {
   return inputs;
 }
 
-// Both shading functions against the series in double, at the poles too, over the peak of one tilt.
+// Compares both shading functions with the series in double, also at the poles, relative to the peak of one tilt.
 void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {12.0, 500.0}) {
     const ZonalCoefficients of_brdf = zonal_blinn_phong(kUnrolledOrder, s), of_lambert = zonal_lambert(kUnrolledOrder);
@@ -137,7 +137,7 @@ void harmonics_ring_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// E[n] and E[n n^T]; of order 1, which has no second moments, as if all directions were alike.
+// E[n] and E[n n^T]; order 1 has no second moments, and shades as if all directions were alike.
 void moments_of_harmonics(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const int order : {1, 2}) {
     Harmonics h = harmonics_of(gl, order);
@@ -164,18 +164,19 @@ void moments_of_harmonics(const GlFunctions& gl, const Edits& edits, WorstError&
 std::vector<GlslCase> glsl_harmonic_cases() {
   const std::string file = "sh_shading.glsl";
   return {
-      {{"glsl-harmonics-of-opposite-tilts", file, "a direction that is not made unit, or a mean of none, has no lobes",
-        "none is needed: the series has both, at the poles too", 2e-5, "of the peak of one tilt",
-        "that of the basis, twice, in proportion to a_l"},
+      {{"glsl-harmonics-of-opposite-tilts", file,
+        "the sum must be right for directions and means that are not unit vectors, and at the poles",
+        "no guard is needed: the series handles them", 2e-5, "of the peak of one tilt",
+        "twice the error of the basis, in proportion to a_l"},
        {glsl_edit("float rotated = c * w.x - s * w.y;", "float rotated = c * w.x;")},
        harmonics_of_opposite_tilts,
        {"multum_sh_coefficient", "multum_sh_bands", "multum_sh_facets", "multum_sh_lambert"}},
-      {{"glsl-harmonics-ring-below-0", file, "a series that ends rings: light below 0 darkens what is beside it",
-        "clamped at 0", kNothingWrong, "absolute, of what is below 0", "nothing may be"},
+      {{"glsl-harmonics-ring-below-0", file, "a truncated series rings: negative light darkens its neighbourhood",
+        "light is at least 0", kNothingWrong, "absolute error of light below 0", "no error is allowed"},
        {glsl_edit("return max(sum, vec3(0.0));\n}", "return sum;\n}")},
        harmonics_ring_below_0},
-      {{"glsl-moments-of-harmonics", file, "E[n n^T] without its mean, 1/3 of the unit matrix",
-        "the trace is 1; order 1 has no more than that", 1e-6, "absolute", "three sums of some floats"},
+      {{"glsl-moments-of-harmonics", file, "E[n n^T] lacks its constant part, 1/3 of the unit matrix",
+        "the trace is 1; order 1 has only the constant part", 1e-6, "absolute", "three sums of a few floats"},
        {glsl_edit("(parts[1].y / 0.31539157 + 1.0) / 3.0", "(parts[1].y / 0.31539157) / 3.0")},
        moments_of_harmonics,
        {"multum_sh_mean_normal", "multum_sh_second_moments"}},

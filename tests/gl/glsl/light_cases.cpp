@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of light/: directions at the poles of an environment and along the view, tables and levels at
-// their ends, light from straight behind and from the surface itself.
+// The numerical cases of light/: directions at the poles of an environment and along the view, and tables and levels at
+// their ends. Light comes from exactly behind, or from a point on the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ void places_at_the_poles(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// A normal under a strong light, everywhere around: behind it the series of two bands is below 0.
+// Tries normals all around a strong light: facing away from it, the series of two bands is below 0.
 void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double mean : {1.0, 0.1}) {
     const SmoothLight light = {mean, {0.3, -0.4, 1.0}};
@@ -67,7 +67,7 @@ void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, Wors
   }
 }
 
-// Entries that hold their own place: what is read says where, and whether another plane is mixed in.
+// Entries hold their own place: a value read tells the place, and whether another plane is mixed in.
 void table_at_its_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kColumns = 32, kRows = 24, kPlanes = 3;
   std::vector<glm::vec4> texels;
@@ -109,8 +109,8 @@ void levels_beyond_their_ends(const GlFunctions& gl, const Edits& edits, WorstEr
   compare_glsl(gl, edits, c, worst);
 }
 
-// The same light from everywhere: a lobe of any width shows it as it is, seen along it too, where the plane of v and mu
-// is none.
+// Equal light from every direction: a lobe of any width shows exactly this light. That includes views along the lobe,
+// where v and mu span no plane.
 void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -132,7 +132,7 @@ void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Every harmonic of the half vector's light alone in its plane; lobes at the poles, of every width; then no light.
+// Tries each harmonic of the half vector's light separately, with lobes of every width at the poles; then no light.
 void harmonics_of_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kOrder = 8, kCount = (kOrder + 1) * (kOrder + 1), kGrid = 2;
   SplitMix64 random(81);
@@ -203,10 +203,10 @@ ShaderHarnessInput sampling_variant(const Texture& map, float exponent) {
   return variant;
 }
 
-constexpr float kTexelRadiance = 0.25f;  // of every texel
+constexpr float kTexelRadiance = 0.25f;  // the same in every texel
 constexpr double kLightDensity = 0.25 / 4.0;
 
-// Densities relative to the GGX's peak; v.h as near 0 as it comes, and below.
+// Densities relative to the peak of GGX; v.h tends to 0 and below.
 void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
   GlslComparison c{
@@ -241,7 +241,7 @@ void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Light straight against the view on a normal that is turned away from who looks: there is no half vector.
+// The light is opposite to the view, and the normal faces away from the viewer: there is no half vector.
 void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kAlpha = 0.02, kExponent = 10.0;
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
@@ -286,7 +286,7 @@ ShaderHarnessInput lights_variant(const glm::vec3& point) {
   return variant;
 }
 
-// Of a lobe that is one direction, per irradiance.
+// Returns the radiance per irradiance of a lobe of one direction.
 double radiance_of(const glm::dvec3& n, const glm::dvec3& l, const glm::dvec3& v) {
   const double n_l = std::max(glm::dot(n, l), 0.0), s = static_cast<double>(kLitExponent);
   return n_l * (static_cast<double>(kDiffuse) / M_PI +
@@ -307,7 +307,7 @@ void light_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// A light at the very place that it lights has no direction; from elsewhere it falls off with the squared distance.
+// A light at the very point that it lights has no direction; elsewhere its irradiance falls with the squared distance.
 void a_light_on_the_surface(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const glm::vec3& point : {glm::vec3(0.0f), glm::vec3(0.0f, 3.0f, 4.0f), glm::vec3(0.0f, 0.0f, -1e-3f)}) {
     GlslComparison c{"vec4(multum_lights(test_surface(a), mat3(1.0), vec3(0.0), b.xyz), 0.0)", {}, {}};
@@ -326,19 +326,20 @@ void a_light_on_the_surface(const GlFunctions& gl, const Edits& edits, WorstErro
 std::vector<GlslCase> sample_cases() {
   const std::string file = "environment_samples.glsl";
   return {
-      {{"glsl-densities-at-their-ends", file, "a density over v.h = 0", "v.h of at least 1e-6", 2e-2,
-        "of the peak; absolute", "1 - n.h^2 of float beside the width of s = 1e5"},
+      {{"glsl-densities-at-their-ends", file, "a density divided by v.h = 0", "v.h is at least 1e-6", 2e-2,
+        "of the peak, or absolute", "1 - n.h^2 in float, compared with the width at s = 1e5"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
        {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
-      {{"glsl-directions-at-the-pole", file, "the sine to a cosine that rounding left above 1: the root of less than 0",
-        "a square of at least 0", 1e-5, "absolute", "the GL's sine and cosine"},
+      {{"glsl-directions-at-the-pole", file,
+        "rounding left the cosine above 1: the sine is the root of a negative number", "the squared sine is at least 0",
+        1e-5, "absolute", "the GL's sine and cosine"},
        {glsl_edit("sqrt(max(1.0 - cosine * cosine, 0.0))", "sqrt(1.0 - cosine * cosine)")},
        directions_at_the_pole,
        {"multum_direction"}},
-      {{"glsl-a-sample-straight-behind", file, "no half vector of l = -v: 0 / 0",
-        "a length of at least 1e-6: the half vector is 0, at which highlights are finite", 1e-5, "absolute",
-        "6e-8 of n and h at an exponent of 10"},
+      {{"glsl-a-sample-straight-behind", file, "l = -v has no half vector: 0 / 0",
+        "the divisor is at least 1e-6: the half vector is 0, and highlights stay finite", 1e-5, "absolute",
+        "n and h rounded by 6e-8, at an exponent of 10"},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        a_sample_straight_behind,
        {"multum_add_direction", "multum_environment_radiance", "multum_diffuse_integrand",
@@ -348,14 +349,14 @@ std::vector<GlslCase> sample_cases() {
 
 std::vector<GlslCase> light_cases() {
   return {
-      {{"glsl-light-straight-behind", "lights.glsl, reflection.glsl", "no half vector of l = -v: 0 / 0",
-        "a length of at least 1e-6: the half vector is 0, at which highlights are finite", 1e-5, "absolute",
-        "6e-8 of n and h at an exponent of 20"},
+      {{"glsl-light-straight-behind", "lights.glsl, reflection.glsl", "l = -v has no half vector: 0 / 0",
+        "the divisor is at least 1e-6: the half vector is 0, and highlights stay finite", 1e-5, "absolute",
+        "n and h rounded by 6e-8, at an exponent of 20"},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        light_straight_behind,
        {"multum_half_vector", "multum_outgoing", "multum_radiance"}},
-      {{"glsl-a-light-on-the-surface", "lights.glsl", "a distance of 0: 1 / 0, times a cosine of 0",
-        "a squared distance of at least 1e-12", 1e-5, "absolute", "6e-8 of n and h at an exponent of 20"},
+      {{"glsl-a-light-on-the-surface", "lights.glsl", "a distance of 0: 1 / 0 times a cosine of 0",
+        "the squared distance is at least 1e-12", 1e-5, "absolute", "n and h rounded by 6e-8, at an exponent of 20"},
        {glsl_edit("max(dot(to_light, to_light), 1e-12)", "dot(to_light, to_light)")},
        a_light_on_the_surface,
        {"multum_lights"}},
@@ -367,40 +368,42 @@ std::vector<GlslCase> light_cases() {
 std::vector<GlslCase> glsl_light_cases() {
   std::vector<GlslCase> cases = {
       {{"glsl-environment-at-its-poles", "environment_frame.glsl",
-        "the arc cosine of 1.0001; straight up the direction around is atan(0, 0)",
-        "heights within -1 and 1; straight up and down the middle", 1e-3, "absolute, of s and t",
-        "the GL's arc functions"},
+        "the arc cosine of 1.0001; straight up, the azimuth is atan(0, 0)",
+        "heights are clamped to -1 to 1; straight up and straight down map to the middle", 1e-3,
+        "absolute error of s and t", "the GL's arc functions"},
        {glsl_edit("acos(clamp(d.y, -1.0, 1.0))", "acos(d.y)")},
        places_at_the_poles,
        {"multum_environment_st", "multum_set_environment_frame"}},
-      {{"glsl-irradiance-behind-the-light", "environment.glsl", "a series of two bands is below 0 behind strong light",
-        "held at 0 and above", 1e-4, "absolute", "the quadrature that it is held to: 200 rings"},
+      {{"glsl-irradiance-behind-the-light", "environment.glsl",
+        "a series of two bands is negative behind a strong light", "the sum is at least 0", 1e-4, "absolute",
+        "the quadrature's 200 rings"},
        {glsl_edit(
            "return max(MULTUM_PI * (u_smooth_mean + 2.0 / 3.0 * a1 * linear + 0.25 * a2 * quadratic), vec3(0.0));",
            "return MULTUM_PI * (u_smooth_mean + 2.0 / 3.0 * a1 * linear + 0.25 * a2 * quadratic);")},
        irradiance_behind_the_light,
        {"multum_irradiance"}},
-      {{"glsl-reflection-table-at-its-ends", "environment.glsl", "at an end of a plane the next plane is mixed in",
-        "between the centres of the first and the last texel", 1e-1, "absolute, of the index",
-        "8 bits of a filter's weights, times 24 rows"},
+      {{"glsl-reflection-table-at-its-ends", "environment.glsl",
+        "at the end of one plane of the table, the next plane is mixed in",
+        "coordinates stay between the centres of the first and last texels", 1e-1, "absolute error of the index",
+        "a filter weight of 8 bits, times 24 rows"},
        {glsl_edit("0.5 + pow(spread, 1.0 / 3.0)", "pow(spread, 1.0 / 3.0)")},
        table_at_its_ends,
        {"multum_reflection_entry"}},
       {{"glsl-environment-levels-at-their-ends", "environment_levels.glsl",
-        "a spread below the first level's or above the last one's: a level that is none", "shares within 0 and 1", 1e-5,
-        "absolute, of the level", "a difference and a quotient"},
+        "a spread outside the spreads of all levels gives a level that does not exist",
+        "the share is clamped to 0 to 1", 1e-5, "absolute error of the level", "a difference and a quotient"},
        {glsl_edit("clamp((spread - low) / (u_level_spreads[k + 1] - low), 0.0, 1.0)",
                   "((spread - low) / (u_level_spreads[k + 1] - low))")},
        levels_beyond_their_ends,
        {"multum_environment_level"}},
       {{"glsl-environment-seen-along-the-lobe", "environment.glsl, environment_levels.glsl",
-        "v along mu: no plane of the two, 0 / 0", "any plane of mu", 1e-4, "absolute",
-        "a filter of equal texels, nine weights"},
+        "v and mu are parallel and span no plane: 0 / 0", "any plane that contains mu", 1e-4, "absolute",
+        "a filter over equal texels with nine weights"},
        {glsl_edit("if (dot(side, side) < 1e-6) side =", "if (false) side =")},
        seen_along_the_lobe,
        {"multum_environment_lobe", "multum_environment_specular", "multum_term_light"}},
-      {{"glsl-environment-harmonics-of-no-light", "environment_sh.glsl", "a weight of 0 is divided by none: 0 / 0",
-        "at least 1e-6 divides", 5e-4, "absolute", "2.3e-4 of kappa's inverse, in eight bands"},
+      {{"glsl-environment-harmonics-of-no-light", "environment_sh.glsl", "a weight of 0 is divided by 0",
+        "the divisor is at least 1e-6", 5e-4, "absolute", "kappa's inverse has an error of 2.3e-4, in eight bands"},
        {glsl_edit("weight / max(plain, 1e-6)", "weight / plain")},
        harmonics_of_half_vectors,
        {"multum_half_vector_light", "multum_environment_specular"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of movmf_shading.glsl, and of Blinn-Phong over lobes.
+// The numerical cases of movmf_shading.glsl and of Blinn-Phong over lobes.
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// One point: a lobe along +z, so that (a r, a) is exact in float, a direction in the plane y = 0, and a parameter.
+// A lobe along +z, so that (a r, a) is exact in float; a direction in the plane y = 0; a parameter.
 struct Point {
   double amplitude, spread, theta, parameter;
 };
@@ -30,7 +30,7 @@ glm::vec4 direction_of(const Point& p) {
           static_cast<float>(p.parameter)};
 }
 
-// The angle that the shader sees: its vectors are not quite of length 1.
+// Returns the angle that the shader sees; its vectors are not exactly of length 1.
 double angle_seen(const Point& p) {
   const glm::vec4 w = direction_of(p);
   const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
@@ -52,7 +52,7 @@ std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const s
   return values;
 }
 
-// A function of one number, `b.w`, over `inputs`: relative errors.
+// Adds the relative errors of a function of one number, `b.w`, over `inputs`.
 void add_function(const GlFunctions& gl, const Edits& edits, const std::string& expression,
                   const std::vector<double>& inputs, const std::function<double(double)>& exact, WorstError& worst) {
   std::vector<Point> points;
@@ -165,7 +165,7 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// The paper's rule is kept for comparison: it may be off from the reference, and not from its own formula.
+// The paper's rule is kept for comparison: it must match its own formula, and may differ from the reference.
 void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})
@@ -180,7 +180,7 @@ void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   }
 }
 
-// sigma = 1 / sqrt(2 kappa_f), from mirrors to what is hardly a facet distribution any more.
+// sigma = 1 / sqrt(2 kappa_f), from mirrors to shapes too broad for a facet distribution.
 void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double sigma : {1e-3, 0.01, 0.1, 0.5, 1.0})
@@ -197,8 +197,8 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
   }
 }
 
-// Lobes from single directions to none under facets from mirrors to the whole sphere, half vectors along the lobe,
-// across and against it, where two equal vMFs leave no direction.
+// Lobes from single directions to amplitude 0, under facets from mirrors to the whole sphere. Half vectors are along
+// the lobe, across it and opposite to it, where two equal vMFs leave no direction.
 void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::dvec3 l = glm::normalize(glm::dvec3(0.3, -0.5, 0.8)), up(0.0, 0.0, 1.0);
   GlslComparison c{
@@ -212,7 +212,7 @@ void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& wo
     return glm::dvec4(highlight_cosine(b.w * glm::dvec3(b) + kappa * up, l));
   };
   compare_glsl(gl, edits, c, worst);
-  // Straight against it, of the very kappa that the shader has of the lobe.
+  // Exactly opposite to the lobe, with the kappa that the shader computes for it.
   c.expression =
       "vec4(multum_movmf_highlight_cosine(a, -a.xyz / a.z, vec3(0.0, 0.0, 1.0), "
       "multum_vmf_kappa(multum_movmf_spread(a))))";
@@ -236,7 +236,7 @@ void lambert(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
         [=](double theta) { return reference::convolved_lambert(kappa_of_lobe, theta); });
 }
 
-// Shares stay within 0 and 1 however far the level of detail is.
+// Shares stay within 0 and 1 for every level of detail.
 void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double lod : {-1e30, -40.0, -1.0, -0.25, -0.0, 0.0, 1e-40, 3.0, 1e30})
@@ -246,7 +246,7 @@ void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& wor
     worst.add(values[i], std::clamp(-points[i].parameter, 0.0, 1.0), 1.0, text_of(points[i]));
 }
 
-// Means of normals from none to longer than their amplitude, of pixels far smaller and far larger than texels.
+// Mean normals from length 0 to longer than their amplitude; pixels from far smaller to far larger than texels.
 void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_magnified(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 0.5f, 1.0f})
@@ -261,7 +261,7 @@ void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare_glsl(gl, edits, c, worst);
 }
 
-// Lobes that a BRDF's width has shortened, from none to longer than their amplitude, by any mean cosine.
+// Lobes that a BRDF's width has shortened, from length 0 to longer than their amplitude, with every mean cosine.
 void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})
@@ -280,39 +280,42 @@ std::vector<GlslCase> function_cases() {
   const std::string file = "movmf_shading.glsl";
   return {
       {{"glsl-vmf-spread-12-decades", file, "1/kappa - 2/(exp(2 kappa) - 1) cancels towards kappa 0",
-        "two terms of the series below kappa 0.1", 2e-5, "relative", "6e-8 of 1/kappa = 10, twice, and the GL's exp"},
+        "two terms of the series below kappa 0.1", 2e-5, "relative",
+        "1/kappa = 10 rounded twice by 6e-8, and the GL's exp"},
        {glsl_edit("if (kappa < 0.1) return", "if (false) return")},
        vmf_spread,
        {"multum_vmf_spread"}},
-      {{"glsl-kappa-12-decades", file, "Banerjee's factor 3 - A^2 alone is per cent off",
+      {{"glsl-kappa-12-decades", file, "Banerjee's factor 3 - A^2 has an error of a few per cent",
         "the factor refined by a polynomial, 1 - A^2 = q (2 - q) without cancellation", 2.4e-4, "relative",
-        "2.3e-4 of the polynomial"},
+        "the polynomial's error of 2.3e-4"},
        {glsl_edit("(3.0 - x + x * (1.0 - x) * p)", "(3.0 - x)")},
        kappa,
        {"multum_vmf_kappa"}},
       {{"glsl-vmf-normaliser-12-decades", file, "kappa / (1 - exp(-2 kappa)) is 0 / 0 at kappa 0",
-        "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative", "exp rounds at 1: 6e-8 / 2e-3 where the branch begins"},
+        "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative", "exp rounds near 1: 6e-8 / 2e-3 where the branch begins"},
        {glsl_edit("kappa > 1e-3 ?", "true ?")},
        normaliser,
        {"multum_vmf_density"}},
-      {{"glsl-log-of-one-minus-e", "blinn_phong.glsl", "t = 1 - e is rounded to 6e-8, which s = 1e5 multiplies",
+      {{"glsl-log-of-one-minus-e", "blinn_phong.glsl", "t = 1 - e is rounded by 6e-8, which s = 1e5 multiplies",
         "the series of -2 atanh(e / (2 - e)) below e = 0.1", 1e-6, "relative",
-        "3e-9 of the series left out; the GL's log"},
+        "the omitted terms of the series, 3e-9; the GL's log"},
        {glsl_edit("if (e > 0.1) return", "if (true) return")},
        log_one_minus,
        {"multum_log_one_minus"}},
-      {{"glsl-normal-map-share", file, "far levels of detail: shares of -1e30 and of 1e30", "a share within 0 and 1",
-        1e-6, "absolute", "a share is a copy"},
+      {{"glsl-normal-map-share", file, "extreme levels of detail: shares of -1e30 and 1e30",
+        "the share is clamped to 0 to 1", 1e-6, "absolute", "a share is a copy"},
        {glsl_edit("clamp(-lod, 0.0, 1.0)", "(-lod)")},
        normal_map_share,
        {"multum_normal_map_share"}},
-      {{"glsl-magnified-normal-map", file, "normals that cancel: 0 / 0; a variance grown past what was lost",
-        "means as they are below 1e-6; at most what the filter lost", 1e-6, "absolute", "a length and two quotients"},
+      {{"glsl-magnified-normal-map", file, "normals that cancel: 0 / 0; the variance grows beyond the loss",
+        "means shorter than 1e-6 stay unchanged; the variance grows at most by the filter's loss", 1e-6, "absolute",
+        "a length and two quotients"},
        {glsl_edit("if (size <= MULTUM_AMPLITUDE_MIN) return lobe;", ""), glsl_edit("min(map_lod, 0.5)", "map_lod")},
        magnified,
        {"multum_movmf_magnified"}},
-      {{"glsl-roughness-taken-out", file, "a lobe longer than its amplitude: more light than there is; 0 / 0 of none",
-        "as long as its amplitude at most; a length of at least 1e-12", 1e-6, "absolute", "a length and two quotients"},
+      {{"glsl-roughness-taken-out", file, "a lobe longer than its amplitude: too much light; a lobe of length 0: 0 / 0",
+        "the length is at most the amplitude; the divisor is at least 1e-12", 1e-6, "absolute",
+        "a length and two quotients"},
        {glsl_edit("lobe.w / max(length(lobe.xyz), 1e-12)", "1.0 / mean_cosine")},
        roughness_taken_out,
        {"multum_movmf_without_roughness"}},
@@ -320,54 +323,55 @@ std::vector<GlslCase> function_cases() {
 }
 
 std::vector<GlslCase> lobe_cases() {
-  const std::string file = "movmf_shading.glsl", reason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
+  const std::string file = "movmf_shading.glsl",
+                    reason = "kappa's inverse has an error of 2.3e-4, in the peak and in the exponent";
   return {
       {{"glsl-exponents-to-1e5", "movmf_shading.glsl, blinn_phong.glsl",
-        "1 - mu . h is rounded to 6e-8, which s = 1e5 multiplies",
-        "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of what is small", 6e-4, "of the peak", reason},
+        "1 - mu . h is rounded by 6e-8, which s = 1e5 multiplies",
+        "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of small terms", 6e-4, "of the peak", reason},
        {glsl_edit("return 0.5 * dot(difference, difference);", "return 1.0 - dot(mu, w);")},
        exponents_to_1e5,
        {"multum_one_minus_cosine", "multum_movmf_mean_direction", "multum_movmf_blinn_phong"}},
       {{"glsl-the-horizon-and-below", "blinn_phong.glsl",
-        "the cosine power of a negative cosine lights what is turned away", "0 where 1 - t >= 1", 6e-4, "of the peak",
+        "the power of a negative cosine lights surfaces that face away", "0 where 1 - t >= 1", 6e-4, "of the peak",
         reason},
        {glsl_edit("return e < 1.0 ?", "return true ?")},
        horizon_and_below,
        {"multum_blinn_phong"}},
-      {{"glsl-longer-than-its-amplitude", file, "rounding leaves |a r| > a: the spread is negative, so is kappa",
-        "the spread is held within 0 and 1", 6e-4, "of the peak", reason},
+      {{"glsl-longer-than-its-amplitude", file, "rounding leaves |a r| > a: the spread and kappa are negative",
+        "the spread is clamped to 0 to 1", 6e-4, "of the peak", reason},
        {glsl_unclamped_spread()},
        longer_than_amplitude,
        {"multum_movmf_spread"}},
-      {{"glsl-no-direction", file, "r = 0 is normalised: 0 / 0", "any direction: nothing depends on it", 6e-4,
-        "of the peak", reason},
+      {{"glsl-no-direction", file, "r = 0 is normalised: 0 / 0", "a fixed direction: the result does not depend on it",
+        6e-4, "of the peak", reason},
        {glsl_edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
        no_direction},
-      {{"glsl-amplitude-to-0", file, "a lobe of no normals is divided by its amplitude, or lights up",
-        "no lobe at or below an amplitude of 1e-6, a thirtieth of the least stored", 6e-4,
-        "of the peak times the amplitude; 1 where there should be none", reason},
+      {{"glsl-amplitude-to-0", file, "an empty lobe is divided by its amplitude, or reflects light",
+        "amplitudes up to 1e-6, 1/30 of the smallest stored one, count as no lobe", 6e-4,
+        "of the peak times the amplitude; 1 for light that should be 0", reason},
        {glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;", "")},
        amplitude_to_0},
-      {{"glsl-the-papers-rule", "blinn_phong.glsl", "a single direction has kappa 1 / 0, and inf / inf follows",
-        "the denominator of kappa is at least 1e-12", 6e-4, "of the peak", reason},
+      {{"glsl-the-papers-rule", "blinn_phong.glsl", "a single direction has kappa 1 / 0, then infinity / infinity",
+        "kappa's denominator is at least 1e-12", 6e-4, "of the peak", reason},
        {glsl_edit("max(q * (2.0 - q), 1e-12)", "(q * (2.0 - q))")},
        papers_rule,
        {"multum_movmf_blinn_phong_paper"}},
       {{"glsl-torrance-sparrow-of-every-sigma", "torrance_sparrow.glsl",
-        "1 - 1/kappa_f alone for the mean cosine is off for rough facets",
-        "both terms of A, the exponent held at 80 where the second is nothing", 6e-4, "of the peak", reason},
+        "1 - 1/kappa_f is a wrong mean cosine for rough facets",
+        "both terms of A; the exponent is at most 80, where the second term vanishes", 6e-4, "of the peak", reason},
        {glsl_edit("1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0)", "1.0 / kappa")},
        torrance_sparrow,
        {"multum_movmf_torrance_sparrow"}},
-      {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, knows no spread",
+      {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, ignores the spread",
         "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
-        "0.22 % of the model (tools/lab/fit_shading.py)"},
+        "the model's error of 0.22 % (tools/lab/fit_shading.py)"},
        {glsl_edit("return 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return max(t, 0.0);")},
        lambert,
        {"multum_movmf_lambert", "multum_vmf_mean_cosine"}},
       {{"glsl-highlight-cosines-of-every-width", file,
-        "facets straight against a lobe as sharp as they: no direction is left, 0 / 0",
-        "a length of at least 1e-6 divides", 2.5e-3, "absolute", "0.22 % of the cosine's model"},
+        "facets opposite to a lobe of equal sharpness: no direction is left, 0 / 0", "the divisor is at least 1e-6",
+        2.5e-3, "absolute", "the cosine model's error of 0.22 %"},
        {glsl_edit("max(size, 1e-6)", "size")},
        highlight_cosines,
        {"multum_movmf_highlight_cosine", "multum_movmf_reflecting_normals"}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of planar Gaussians and of moments of slopes, on what the kernels of the same formulas are tried
-// with (host/lab/selftest) and on what only a shader meets.
+// The numerical cases of planar Gaussians and of moments of slopes. Inputs are those of the kernels with the same
+// formulas (host/lab/selftest), and inputs that only a shader meets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// The third value as rounding and filtering may leave it: less than the square of the mean.
+// Rounding and filtering may leave the third value below the square of the mean.
 void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_density(a, b.xyz, b.w) / (b.w + 3.0))", {}, {}};
   for (const double degrees : {0.0, 30.0, 60.0, 89.0})
@@ -36,7 +36,7 @@ void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_glsl(gl, edits, c, worst);
 }
 
-// Means that rounding left outside the unit circle, and lobes of every amplitude there.
+// Means that rounding left outside the unit circle, with lobes of every amplitude.
 void planar_means_beyond_the_rim(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_lambert(a, b.xyz), multum_gmm_lifted(a.xy / max(a.w, 1e-6)))", {}, {}};
   for (const double length : {0.0, 0.5, 0.9999, 1.0, 1.0001, 1.5})
@@ -62,7 +62,7 @@ void planar_amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// A mean normal, of which there may be none, as a Gaussian; and the facets' variance about means of every length.
+// A mean normal, possibly of length 0, as a Gaussian; and the facets' variance about means of every length.
 void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_normal_map(a).zw, multum_gmm_facet_variance(a, b.x), 0.0)", {}, {}};
   for (const double amplitude : {0.0, 1e-40, 1e-30, 1e-5, 0.5, 1.0})
@@ -75,7 +75,7 @@ void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// Mean normals of every length, none at all and longer than 1 among them.
+// Mean normals of every length, from 0 to longer than 1.
 void toksvig_of_every_length(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exponent_of = [](double length, double s) {
     const double size = std::min(length, 1.0);
@@ -106,7 +106,7 @@ glm::vec4 half_at(double s, double t, double cross_moment) {
   return with(glm::normalize(glm::dvec3(-s, -t, 1.0)), cross_moment);
 }
 
-// Second moments below the square of the mean, of slopes up to the largest: no value is above the BRDF's own peak.
+// Second moments below the square of the mean, for slopes up to the largest: no value exceeds the BRDF's own peak.
 void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {1.0, 100.0, 1e5}) {
     GlslInputs inputs;
@@ -130,7 +130,8 @@ void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Slopes along one line of the plane: Sigma has no determinant, and only the BRDF's own variance 1/s is across.
+// Slopes along one line of the plane: Sigma has determinant 0, and across the line only the BRDF's variance 1/s is
+// left.
 void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {10.0, 1e3, 1e5}) {
     GlslComparison c{kLean, {}, {}, true, of_exponent(s)};
@@ -146,7 +147,7 @@ void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Steep slopes nearly alike under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
+// Steep and nearly equal slopes under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
 void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {100.0, 1e3, 1e4, 1e5}) {
     GlslInputs inputs;
@@ -169,7 +170,7 @@ void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& wors
   }
 }
 
-// Half vectors at and below the horizon, where a slope and the Jacobian have no bound.
+// At and below the horizon, a half vector's slope and the Jacobian have no bound.
 void half_vectors_at_the_horizon(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
   for (const double z : {1e-4, 1e-20, 1e-40, 0.0, -0.0, -1e-3, -1.0})
@@ -185,25 +186,27 @@ std::vector<GlslCase> gaussian_cases() {
   const std::string file = "gmm_shading.glsl";
   return {
       {{"glsl-planar-filtered-variance-below-0", file,
-        "rounding and filtering leave less than the square of the mean: the variance is negative",
-        "no variance but the facets' own", 2e-3, "of an upright lobe's peak, times 2 pi",
-        "6e-8 of a mean near 1, twice, against a variance of 1e-4"},
+        "rounding and filtering leave E[x^2] below the squared mean: the variance is negative",
+        "the variance is at least 0; only the facets' own variance is left", 2e-3,
+        "of an upright lobe's peak times 2 pi",
+        "a mean near 1 rounded twice by 6e-8, compared with a variance of 1e-4"},
        {glsl_edit("max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0)",
                   "(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))")},
        planar_variance_below_0,
        {"multum_gmm_mean", "multum_gmm_variance", "multum_gmm_facet_variance", "multum_gmm_density"}},
-      {{"glsl-planar-means-beyond-the-rim", file, "a mean outside the circle is lifted to the root of less than 0",
-        "to the equator", 1e-3, "absolute", "the root of 1.2e-7, of a mean on the circle"},
+      {{"glsl-planar-means-beyond-the-rim", file,
+        "a mean outside the unit circle: its z is the root of a negative number", "the mean is moved to the equator",
+        1e-3, "absolute", "the root of 1.2e-7 for a mean on the circle"},
        {glsl_edit("sqrt(max(1.0 - dot(p, p), 0.0))", "sqrt(1.0 - dot(p, p))")},
        planar_means_beyond_the_rim,
        {"multum_gmm_lifted", "multum_gmm_lambert"}},
-      {{"glsl-planar-amplitude-to-0", file, "a lobe of no normals is divided by its amplitude: 0 / 0",
-        "no lobe at or below 1e-6", kNothingWrong, "absolute", "nothing may be"},
+      {{"glsl-planar-amplitude-to-0", file, "an empty lobe is divided by its amplitude: 0 / 0",
+        "amplitudes up to 1e-6 count as no lobe", kNothingWrong, "absolute", "no error is allowed"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        planar_amplitude_to_0,
        {"multum_gmm_density", "multum_gmm_lambert"}},
-      {{"glsl-planar-mean-normals", file, "a mean of no normals is divided by its share: 0 / 0",
-        "shares of at least 1e-6 divide", 1e-6, "absolute", "two products and a quotient"},
+      {{"glsl-planar-mean-normals", file, "an empty mean is divided by its share: 0 / 0",
+        "the divisor is at least 1e-6", 1e-6, "absolute", "two products and a quotient"},
        {glsl_edit("mean.z * mean.z / max(mean.w, MULTUM_AMPLITUDE_MIN)", "mean.z * mean.z / mean.w")},
        planar_mean_normals,
        {"multum_gmm_normal_map", "multum_gmm_facet_variance"}},
@@ -213,36 +216,38 @@ std::vector<GlslCase> gaussian_cases() {
 std::vector<GlslCase> moment_cases() {
   const std::string file = "moment_shading.glsl";
   return {
-      {{"glsl-mean-normals-of-every-length", file, "longer than 1: a gloss above 1 or below 0; of no length: 0 / 0",
-        "1 less the length is at least 0; nothing where there is no length", 1e-5, "of the peak, times 2 pi",
-        "6e-8 of mu and h, by the angle that the exponent sees"},
+      {{"glsl-mean-normals-of-every-length", file,
+        "a mean longer than 1: a gloss above 1 or below 0; a mean of length 0: 0 / 0",
+        "1 - length is at least 0; a mean of length 0 reflects nothing", 1e-5, "of the peak times 2 pi",
+        "mu and h rounded by 6e-8, times the angle that the exponent multiplies"},
        {glsl_edit("max(1.0 - size, 0.0)", "(1.0 - size)")},
        toksvig_of_every_length,
        {"multum_moments_toksvig"}},
-      {{"glsl-slope-variance-below-0", file, "E[s^2] below the square of E[s]: a negative determinant has no root",
-        "variances of at least 0", 2e-6, "of the peak: how far above it, or below 0",
+      {{"glsl-slope-variance-below-0", file, "E[s^2] below E[s]^2: the root of a negative determinant",
+        "variances are at least 0", 2e-6, "of the peak, above the peak or below 0",
         "a root, a division and an exponential"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))", "(slopes.zw - slopes.xy * slopes.xy)")},
        slope_variance_below_0,
        {"multum_moments_lean"}},
       {{"glsl-slopes-along-a-line", file,
-        "the determinant of Sigma + I/s as a difference: s = 1e5 leaves nothing of it",
-        "1/s (1/s + trace) and the determinant of Sigma, held at 0 and above", 5e-6, "relative",
+        "the determinant of Sigma + I/s as a difference: at s = 1e5 all digits cancel",
+        "1/s (1/s + trace) plus the determinant of Sigma, which is at least 0", 5e-6, "relative",
         "a root, a division and four products"},
        {glsl_edit("base * (base + variance.x + variance.y) +\n"
                   "                      max(variance.x * variance.y - covariance * covariance, 0.0)",
                   "(base + variance.x) * (base + variance.y) - covariance * covariance")},
        slopes_along_a_line},
       {{"glsl-steep-slopes-under-sharp-highlights", file,
-        "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
-        "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
-        "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
-        "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each"},
+        "moments in half floats: near 400 steps are 0.25, but s = 1e5 needs 1e-5",
+        "32-bit moments; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+        "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 with slope b",
+        "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",
                   "max(floor(slopes.zw * 4.0 + 0.5) * 0.25 - slopes.xy * slopes.xy, vec2(0.0))")},
        steep_and_sharp},
-      {{"glsl-half-vectors-at-the-horizon", file, "the slope of a half vector at the horizon: inf - inf",
-        "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be", "nothing may be"},
+      {{"glsl-half-vectors-at-the-horizon", file, "the slope of a half vector at the horizon: infinity - infinity",
+        "half vectors with z up to 1e-4 reflect nothing", kNothingWrong, "absolute error of light that should be 0",
+        "no error is allowed"},
        {glsl_edit("if (h.z <= 1e-4) return 0.0;", "")},
        half_vectors_at_the_horizon},
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of what is drawn at random: normals of lobes, numbers of blue noise, texels of footprints.
+// The numerical cases of random draws: normals of lobes, numbers of blue noise, texels of footprints.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Of every width, about every direction, also straight down, where tangents are chosen anew.
+// Lobes of every width about every direction, including straight down, where the choice of tangents changes.
 void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_movmf_drawn_normal(a, b.xy), 0.0)", {}, {}};
   for (const double tilt : {0.0, 40.0, 90.0, 140.0, 180.0})
@@ -40,7 +40,7 @@ void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst)
   compare_glsl(gl, edits, c, worst);
 }
 
-// Every frame of a pixel, also where a float has no fraction left; `map` holds quarters.
+// Tests every frame of a pixel, including frame numbers whose float has no fraction left; `map` holds quarters.
 void numbers_of_the_millionth_frame(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kSide = 64;
   std::vector<float> texels;
@@ -111,7 +111,7 @@ std::uint32_t hash(std::uint32_t v) {
   return (word >> 22u) ^ word;
 }
 
-// The pixel's own number is that of the element.
+// Each pixel's own number is the number of its element.
 void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr std::uint32_t kSteps[] = {3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u};
   for (const int sample : {0, 1, 1000003, 2147483647}) {
@@ -127,7 +127,7 @@ void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, W
   }
 }
 
-// Texels that a filter mixes at one place, inside and far outside, are the only ones that are drawn.
+// Only texels that a filter mixes at one place are drawn, for places inside the map and far outside.
 void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kWidth = 37, kHeight = 21;
   constexpr WrapMode kModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};
@@ -164,32 +164,33 @@ void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstErr
 std::vector<GlslCase> glsl_sampling_cases() {
   return {
       {{"glsl-normals-drawn-from-any-lobe", "movmf_shading.glsl",
-        "a root of less than 0, where rounding draws beyond the direction opposite", "1 - cosine within 0 and 2", 3e-2,
-        "absolute, of a unit vector", "of a lobe that fills the sphere the logarithm of nearly 1"},
+        "rounding draws beyond the opposite direction: the root of a negative number",
+        "1 - cosine is clamped to 0 to 2", 3e-2, "absolute error of a unit vector",
+        "for a lobe that fills the sphere, the logarithm of a number near 1"},
        {glsl_edit("clamp(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa, 0.0, 2.0)",
                   "(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa)")},
        normals_drawn,
        {"multum_movmf_drawn_normal"}},
       {{"glsl-numbers-of-the-millionth-frame", "blue_noise.glsl",
-        "the fraction of a large product in float is lost: all frames draw alike", "frames counted modulo 1024", 1e-4,
-        "absolute", "6e-5 of a product of 772"},
+        "a large product in float has no fraction: all frames draw the same number", "frames count modulo 1024", 1e-4,
+        "absolute", "a product of 772 rounded by 6e-5"},
        {glsl_edit("frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES)", "frame")},
        numbers_of_the_millionth_frame,
        {"multum_blue_noise"}},
-      {{"glsl-texels-far-outside", "footprint.glsl", "a quotient cut off towards 0: texels left of the map are others",
-        "rounded down", kNothingWrong, "texels", "whole numbers"},
+      {{"glsl-texels-far-outside", "footprint.glsl", "a quotient truncated towards 0: wrong texels left of the map",
+        "quotients are rounded down", kNothingWrong, "texels", "whole numbers"},
        {glsl_edit("(i >= 0 ? i / period : -1 - (-1 - i) / period)", "(i / period)")},
        texels_far_outside,
        {"multum_wrapped"}},
       {{"glsl-places-of-the-billionth-sample", "footprint.glsl",
-        "the fraction of a large product in float is lost: all samples lie at one place",
-        "products modulo 2^32 in whole numbers", kNothingWrong, "absolute", "not a bit may differ"},
+        "a large product in float has no fraction: all samples are at one place", "integer products modulo 2^32",
+        kNothingWrong, "absolute", "every bit must agree"},
        {glsl_edit("float((pixel + uint(u_sample) * steps[n]) >> 8u) / 16777216.0",
                   "fract(float(pixel) / 4294967296.0 + float(u_sample) * (float(steps[n]) / 4294967296.0))")},
        places_of_the_billionth_sample,
        {"multum_hash", "multum_random"}},
-      {{"glsl-footprints-of-one-place", "footprint.glsl", "a texel beyond a black border is read", "none is named",
-        kNothingWrong, "texels wrong", "none may be"},
+      {{"glsl-footprints-of-one-place", "footprint.glsl", "a texel beyond a black border is read",
+        "such texels are not read", kNothingWrong, "wrong texels", "no wrong texel is allowed"},
        {glsl_edit("if (min(texel.x, texel.y) < 0) return MULTUM_NO_TEXEL;", "")},
        footprints_of_one_place,
        {"multum_footprint_texel"}},

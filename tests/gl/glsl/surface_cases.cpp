@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of surface/ and of a mesh's tangent frame: every representation of one single normal against that
-// normal in double, from above, below and straight behind, and no material at all.
+// The numerical cases of surface/ and of a mesh's tangent frame. Compares every representation of a single normal with
+// that normal in double, seen from above, from below and from exactly behind; also tries an empty material.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ constexpr double kFacetExponent = 16.0;
 const double kSigma = 0.25, kFacetKappa = 0.5 / (kSigma * kSigma);
 const glm::dvec3 kView(0.0, 0.0, 1.0);
 
-// V of cook_torrance.glsl, which divides by no cosine that may be 0.
+// Computes V of cook_torrance.glsl without dividing by a cosine that may be 0.
 double visibility(double n_l, double n_v, double n_h, double v_h) {
   const double groove = 2.0 * n_h / std::max(v_h, 1e-4);
   return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), groove / std::max({n_l, n_v, 1e-4}));
@@ -44,11 +44,11 @@ double blinn_phong(const glm::dvec3& n, const glm::dvec3& h) {
   return reference::blinn_phong(kFacetExponent, angle_between(n, h));
 }
 
-// One representation of the normal a.xyz, of amplitude a.w: how a shader is given it, and f(n . h) of it.
+// One representation of the normal a.xyz with amplitude a.w: its input to the shader, and its f(n . h).
 struct SurfaceTest {
   std::vector<std::string> flags;
   std::string texts;
-  std::string fill;  // statements that make `surface` of `a`
+  std::string fill;  // statements that fill `surface` from `a`
   bool has_visibility;
   double normal_degrees_max = 180.0;
   std::function<double(const glm::dvec3& n, const glm::dvec3& l)> diffuse =
@@ -104,7 +104,7 @@ void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_surface(gl, edits, test, worst);
 }
 
-// d h + mu / s of a half vector straight opposite to mu: they cancel. And what else has no direction.
+// d h + mu / s with a half vector opposite to mu: the terms cancel. Also tries other sums without a direction.
 void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, lobe_texts(), "", true};
   GlslComparison c{"vec4(test_highlight(a, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0), b.xyz), 0.0, 0.0, 0.0)", {}, {}};
@@ -146,7 +146,7 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
   compare_surface(gl, edits, test, worst);
 }
 
-// As one normal (MIP) and by Toksvig's rule, where roughness is in the length too.
+// The normal as one normal (MIP) and by Toksvig's rule, where its length holds the roughness too.
 void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
     SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
@@ -156,7 +156,7 @@ void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// The exponents of a roughness map, from mirrors to all of it, as the variances that they stand for.
+// Converts the exponents of a roughness map, from mirrors to the roughest, to variances.
 void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kMirrorExponent = 1e5;
   GlslComparison c{"test_variances(a.x)", {}, {}};
@@ -181,7 +181,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Basis functions of the normal to order 2, as a file has them.
+// Basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
@@ -222,7 +222,7 @@ void single_normals_as_harmonics(const GlFunctions& gl, const Edits& edits, Wors
   compare_glsl(gl, edits, c, worst);
 }
 
-// The same light from everywhere on each: a single normal shows it as it is, no material shows nothing.
+// Equal light from every direction: a single normal shows exactly this light, an empty material shows none.
 void compare_environment(const GlFunctions& gl, const Edits& edits, const SurfaceTest& test, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -263,7 +263,7 @@ void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Light from everywhere, and light that two bands make: E[n] and E[n n^T] are what they take.
+// Light from everywhere, and light made of two bands: both need only E[n] and E[n n^T].
 void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
                    kFillHarmonics, false};
@@ -286,7 +286,7 @@ void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, Wors
   compare_glsl(gl, edits, c, worst);
 }
 
-// Columns that must be unit and at right angles, whatever the tangent; and the tangent's own direction where it has
+// The columns must be unit vectors at right angles for every tangent, and must keep the tangent's direction if it has
 // one.
 void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
@@ -321,10 +321,10 @@ void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstE
 }
 
 std::vector<GlslCase> environment_cases() {
-  const std::string none = "no material shows light from everywhere, or NaN", unit = "absolute",
-                    reason = "a filter of equal texels, nine weights";
+  const std::string none = "an empty material shows light from everywhere, or NaN", unit = "absolute",
+                    reason = "a filter over equal texels with nine weights";
   return {
-      {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "no lobe at or below an amplitude of 1e-6", 1e-4, unit,
+      {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "amplitudes up to 1e-6 count as no lobe", 1e-4, unit,
         reason},
        {},
        lobes_in_an_environment,
@@ -332,13 +332,14 @@ std::vector<GlslCase> environment_cases() {
        {glsl_edit("reflection.specular = lobe.w * multum_environment_specular(mu, d, v);",
                   "reflection.specular = multum_environment_specular(mu, d, v);"),
         glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;", "")}},
-      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 is no material", 1e-4, unit,
-        reason},
+      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 counts as no material", 1e-4,
+        unit, reason},
        {glsl_edit("if (length(mean) <= MULTUM_MEAN_MIN) return", "if (false) return")},
        means_in_an_environment,
        {"multum_reflect_environment"}},
-      {{"glsl-harmonics-in-an-environment", "sh.glsl", "a series of two bands is below 0 behind strong light",
-        "held at 0 and above; nothing where there is no share", 1e-4, unit, "the quadrature that it is held to"},
+      {{"glsl-harmonics-in-an-environment", "sh.glsl", "a series of two bands is negative behind a strong light",
+        "the sum is at least 0; a share of 0 reflects nothing", 1e-4, unit,
+        "the error of the quadrature that gives the expected value"},
        {glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        harmonics_in_an_environment,
        {"multum_reflect_environment", "multum_sh_irradiance"}},
@@ -348,43 +349,43 @@ std::vector<GlslCase> environment_cases() {
 }  // namespace
 
 std::vector<GlslCase> glsl_surface_cases() {
-  const std::string unit = "absolute", behind = "light from straight behind, or no material: 0 / 0",
-                    reason = "6e-8 of n and h, by exponents of 16; visibility by cosines near 0";
+  const std::string unit = "absolute", behind = "light from exactly behind, or an empty material: 0 / 0",
+                    reason = "n and h rounded by 6e-8, times exponents of 16; visibility divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
-        "lengths of at least 1e-6; no lobe at or below an amplitude of 1e-6", 2e-4, unit, reason},
+        "divisors are at least 1e-6; amplitudes up to 1e-6 count as no lobe", 2e-4, unit, reason},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
-      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h at the lobe's mean instead of near h",
-        "between the two; where they point apart and cancel, a length of at least 1e-6 divides", 1e-2, unit,
-        "0.22 % of the cosine's model, of l and of v, times a V of several"},
+      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h is taken at the lobe's mean instead of near h",
+        "a direction between h and the mean; if the two cancel, the divisor is at least 1e-6", 1e-2, unit,
+        "the cosine model's error of 0.22 % for l and v, times a V above 1"},
        {glsl_edit("multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent",
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
        {"multum_lobe_visibility"}},
-      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "a lobe of no normals is divided by its amplitude",
-        "amplitudes of at least 1e-6 divide", 1e-3, unit, "the root of 1.2e-7, of a mean near the rim"},
+      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude",
+        "the divisor is at least 1e-6", 1e-3, unit, "the root of 1.2e-7 for a mean near the rim"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        single_normals_as_gaussians,
        {"multum_reflect", "multum_gmm_visibility"}},
-      {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon darkens the highlight",
-        "cosines of at least 0; a mean shorter than 1e-12 is no material", 2e-5, unit, reason},
+      {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon makes the highlight negative",
+        "cosines are at least 0; a mean shorter than 1e-12 counts as no material", 2e-5, unit, reason},
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
-      {{"glsl-exponents-of-roughness", "normals.glsl", "no roughness has no exponent: 1 / 0",
-        "exponents of at most the mirror's", 1e-6, unit, "6e-8 of a variance of 1/2"},
+      {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 has an infinite exponent: 1 / 0",
+        "exponents are at most a mirror's exponent", 1e-6, unit, "a variance of 1/2 rounded by 6e-8"},
        {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
        exponents_of_roughness,
        {"multum_exponent", "multum_slope_exponent"}},
-      {{"glsl-single-normals-as-harmonics", "sh.glsl", "light below 0 where the series rings", "clamped at 0", 2e-5,
-        unit, "some products of floats"},
+      {{"glsl-single-normals-as-harmonics", "sh.glsl", "the series rings: light is negative", "light is at least 0",
+        2e-5, unit, "a few products in float"},
        {glsl_edit("return max(sum, 0.0);", "return sum;"), glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        single_normals_as_harmonics,
        {"multum_reflect"}},
-      {{"glsl-tangents-along-the-normal", "reflection.glsl", "a tangent along the normal, or none: 0 / 0",
-        "any at right angles to the normal", 2e-6, unit, "three roots and a cross product"},
+      {{"glsl-tangents-along-the-normal", "reflection.glsl", "a tangent along the normal, or of length 0: 0 / 0",
+        "any tangent at right angles to the normal", 2e-6, unit, "three roots and a cross product"},
        {glsl_edit("if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))", "if (false)")},
        tangents_along_the_normal,
        {"multum_tangent_frame"}},

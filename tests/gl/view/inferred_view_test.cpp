@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view as texture inference uses it: probe measures matrices into files, sample draws what the manifest says
-// with textures from files, and A x of the one is the picture of the other.
+// Tests multum-view as texture inference uses it: probe writes measured matrices to files, and sample draws a manifest
+// with textures from files. A x, with A from probe, equals the picture of sample.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <half.h>
@@ -47,7 +47,7 @@ void append_obj(const std::string& name, const gl::MeshData& data, std::size_t& 
   vertex_count += data.vertices.size();
 }
 
-// Waves, partly behind a board.
+// The waves, partly behind a board.
 std::string scene_obj() {
   gl::MeshData board = gl::board_mesh();
   const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
@@ -59,10 +59,10 @@ std::string scene_obj() {
   return out.str();
 }
 
-// The waves have other coordinates when the board has moved, as in another block of the parameter space.
+// If the board has moved, the waves have other coordinates, as in another block of the parameter space.
 TextureMapping mapping_of(const std::string& object, const std::string& view = "still") {
   TextureMapping mapping;
-  if (object == "waves") {  // turned, smaller than the texture; sides that are no powers of two
+  if (object == "waves") {  // turned, smaller than the texture; sides are not powers of two
     mapping.linear = glm::dmat2(0.0, 0.875, 0.75, 0.0);
     mapping.offset = {0.125, 0.0625};
     mapping.width = 77;
@@ -86,7 +86,7 @@ ChildResult run_view(std::vector<std::string> arguments) {
   return run_child(arguments);
 }
 
-// A folder with the scene in it.
+// Makes a folder that holds the scene.
 class InferredViewTest : public ::testing::Test {
  protected:
   InferredViewTest() { write_bytes(path("scene.obj"), scene_obj()); }
@@ -118,7 +118,7 @@ class InferredViewTest : public ::testing::Test {
   FilterMatrix matrix(const std::string& view, const std::string& object) const {
     return read_filter_matrix(path(view + "_" + object + ".filter"));
   }
-  /// Nothing is written, not even in part.
+  /// Expects the exit code and the message, and that no file was written, not even in part.
   void expect_refusal(const std::vector<std::string>& arguments, int code,
                       const std::vector<std::string>& parts) const {
     const Names before = folder_.names();
@@ -195,7 +195,7 @@ TEST_F(InferredViewTest, WhatTheBoardHidesHasNoRows) {
     shared += waves[i] > 0.0f && board[i] > 0.0f;
     uncovered += board[i] == 1.0f && board_then[i] == 0.0f;
   }
-  EXPECT_GT(hidden, 50) << "pixels of the board, behind which waves are seen when it has moved";
+  EXPECT_GT(hidden, 50) << "pixels of the board that show waves after the board has moved";
   EXPECT_GT(shared, 10) << "pixels of both";
   EXPECT_GT(uncovered, 50);
   EXPECT_NE(matrix("still", "waves").provenance.view_matrix, matrix("moved", "waves").provenance.view_matrix);
@@ -275,8 +275,8 @@ Floats read_floats(const std::string& path) {
   return floats;
 }
 
-// Two samples, the board elsewhere in the second. The waves have two layers in the first, the board has no texture in
-// the second.
+// Two samples; the board has moved in the second. The waves have two layers in the first sample. The board has no
+// texture in the second sample.
 class InferredPictureTest : public InferredViewTest {
  protected:
   void SetUp() override {
@@ -308,7 +308,7 @@ class InferredPictureTest : public InferredViewTest {
     arguments.insert(arguments.begin(), {"sample", folder_.path()});
     return run_view(arguments);
   }
-  /// Adds A x of an object, times its coverage, and its coverage.
+  /// Adds an object's A x, weighted by its coverage, and adds its coverage.
   void add(const std::string& view, const std::string& object, const std::vector<std::string>& layers,
            std::vector<double>& rgba) const {
     const FilterMatrix m = matrix(view, object);
@@ -350,7 +350,7 @@ TEST_F(InferredPictureTest, PicturesAreMatrixTimesTexture) {
   add("still", "waves", {"waves_0", "waves_shine_0"}, still);
   add("still", "board", {"board_0"}, still);
   add("moved", "waves", {"waves_1"}, moved);
-  add("moved", "board", {}, moved);  // black, and hides what is behind
+  add("moved", "board", {}, moved);  // black, and hides the waves behind it
   const ChildResult result = draw({"--at", "2,0", "-o", path("still.exr"), "--at", "2,1", "-o", path("moved.exr"),
                                    "--at", "still", "-o", path("again.exr")});
   ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -360,7 +360,7 @@ TEST_F(InferredPictureTest, PicturesAreMatrixTimesTexture) {
   EXPECT_EQ(read_floats(path("again.exr")).values, read_floats(path("still.exr")).values) << "what was drawn between";
 }
 
-// IEC 61966-2-1.
+// Encodes a linear value to 8 bits (IEC 61966-2-1).
 int srgb_code(double linear) {
   const double l = std::clamp(linear, 0.0, 1.0);
   return static_cast<int>(std::lround(255.0 * (l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055)));
@@ -419,7 +419,7 @@ TEST_F(InferredPictureTest, WrongCommandLinesAreUsageErrors) {
   refuse({"--at", "2,0", "-o", path("a.jpg")}, {"a.jpg", ".png or .exr"});
   refuse({"--at", "2,0", "-o", a, "--at", "2,1", "-o", path("./a.exr")}, {"a.exr", "twice"});
   refuse({"--at", "2,0", "-o", a, "--exposure", "0"}, {"--exposure"});
-  // Textures, whether they are read now or not.
+  // Tests files of textures, including those that the command never reads.
   const std::string before = read_bytes(path("waves_1.exr"));
   for (const char* texture : {"waves_0.exr", "waves_1.exr"})
     refuse({"--at", "2,0", "-o", path(texture)}, {texture, "read"});
@@ -462,7 +462,7 @@ TEST_F(InferredPictureTest, FilesThatAreNotAsTheManifestSaysAreInputErrors) {
   expect_refusal({"sample", folder_.path(), "--at", "2,0", "-o", path("none/a.exr")}, 4, {"none", "not exist"});
 }
 
-// Pictures that were drawn before the trouble are whole; there is no part of the others.
+// Pictures drawn before the error are complete; the others leave no partial file.
 TEST_F(InferredPictureTest, PicturesBeforeTheTroubleAreWhole) {
   std::filesystem::remove(path("waves_1.exr"));
   Names names = folder_.names();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramids in the runtime: our choice of level against the driver's and against double precision, highlights with and
-// without the pyramid, surfaces of a level of detail, a model's own materials; and multum-view's modes for them.
+// Tests pyramids in the runtime: our choice of level against the driver's choice and double precision, and highlights
+// with and without the pyramid. Also tests surfaces at a level of detail and a model's own materials. Also tests
+// multum-view's modes for pyramids.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +30,7 @@ namespace {
 
 using testing::TemporaryFolder;
 
-/// Box-filtered, of sizes that are powers of two: `value(x, y, channel)` is level 0.
+/// Makes a pyramid with a box filter; sides are powers of two, and `value(x, y, channel)` gives level 0.
 template <typename Value>
 Pyramid make_pyramid(PyramidKind kind, int size, WrapMode wrap, const Value& value) {
   Pyramid pyramid;
@@ -72,7 +73,7 @@ gl::MeshData plane() {
   return data;
 }
 
-/// A ball of radius 0.9 with its own normals.
+/// Makes a ball of radius 0.9 with exact normals.
 gl::MeshData ball(int steps) {
   gl::MeshData data;
   for (int j = 0; j <= steps; ++j)
@@ -95,7 +96,7 @@ class PyramidViewTest : public ::testing::Test {
   std::unique_ptr<gl::HeadlessContext> context_ = gl::make_test_context(gl::test_backend());
 };
 
-// The plane's derivatives in closed form: where the ray through a pixel's middle meets it, and through its neighbours'.
+// Computes where the ray through (x, y) of the picture meets the plane, in texels, in closed form.
 glm::dvec2 texels_at(const gl::PyramidScene& scene, double x, double y, int width, int height, int size) {
   const glm::dmat4 inverse = glm::inverse(glm::dmat4(gl::view_projection(scene.camera, width, height, {0.0f, 0.0f})));
   const auto point = [&](double depth) {
@@ -107,8 +108,8 @@ glm::dvec2 texels_at(const gl::PyramidScene& scene, double x, double y, int widt
   return glm::dvec2(hit.x / 60.0 + 0.5, 1.0 - hit.y / 60.0) * (static_cast<double>(scene.uv_scale) * size);
 }
 
-// Differences between fragments of a quad stand for derivatives: on a plane in perspective they are exact to some
-// percent of a level. Mesa's own choice is the same rule with a log2 of its own; both are within 0.1 of a level.
+// Differences between the fragments of a quad replace derivatives. On a plane in perspective their error is a few per
+// cent of a level. Mesa's own choice follows the same rule with its own log2; both are within 0.1 levels.
 TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
   constexpr int kSize = 64, kWidth = 128, kHeight = 96;
   const Pyramid pyramid =
@@ -125,7 +126,7 @@ TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
     for (int column = 0; column < kWidth; ++column) {
       const float* const pixel = &levels.rgba[static_cast<std::size_t>(4 * (row * kWidth + column))];
       if (pixel[3] == 0.0f) continue;
-      // The middle of the quad of fragments that the differences are of.
+      // The middle of the quad of fragments whose differences are taken.
       const double x = column / 2 * 2 + 1, y = (kHeight - 1 - row) / 2 * 2 + 1;
       const auto at = [&](double dx, double dy) { return texels_at(scene, x + dx, y + dy, kWidth, kHeight, kSize); };
       const glm::dvec2 along_x = at(0.5, 0.0) - at(-0.5, 0.0), along_y = at(0.0, 0.5) - at(0.0, -0.5);
@@ -139,10 +140,11 @@ TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
   EXPECT_LT(worst_driver, 0.1);
   RecordProperty("ours_against_double", std::to_string(worst_ours));
   RecordProperty("driver_against_ours", std::to_string(worst_driver));
-  std::printf("levels: ours %.4f off double, the driver %.4f off ours, at most\n", worst_ours, worst_driver);
+  std::printf("largest differences in levels: ours and double %.4f, the driver and ours %.4f\n", worst_ours,
+              worst_driver);
 }
 
-// textureLod at our level is the trilinear filter of the reference, across borders of both kinds.
+// textureLod at our level equals the reference's trilinear filter, across borders of both kinds.
 TEST_F(PyramidViewTest, SamplesAreTheReferences) {
   constexpr int kSize = 16, kWidth = 64, kHeight = 48;
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp}) {
@@ -161,7 +163,7 @@ TEST_F(PyramidViewTest, SamplesAreTheReferences) {
         const auto first = static_cast<std::size_t>(4 * (row * kWidth + column));
         if (levels.rgba[first + 3] == 0.0f) continue;
         const glm::dvec2 texel = texels_at(scene, column + 0.5, kHeight - row - 0.5, kWidth, kHeight, kSize);
-        // st = (u, 1 - v) * repeats: the plane's v grows upwards.
+        // st = (u, 1 - v) * repeats, since the plane's v grows upwards.
         const double s = texel.x / kSize, t = texel.y / kSize;
         const PyramidSample expected = sample_pyramid(pyramid, s, t, static_cast<double>(levels.rgba[first]));
         for (std::size_t c = 0; c < 3; ++c)
@@ -180,7 +182,7 @@ std::vector<gl::Light> nine_lights_less_one() {
   return lights;
 }
 
-// A map of the lights by the reference in double, from 2 x 2 normals a texel.
+// Makes a map of the lights by the reference in double, with 2 x 2 normals per texel.
 Pyramid reflectance_of(const gl::PhongLights& lights, int size) {
   const ReflectanceFrame frame;
   std::vector<reference::DistantLight> distant;
@@ -213,7 +215,7 @@ class HighlightTest : public PyramidViewTest {
   gl::PyramidScene scene;
 };
 
-// Large: every lookup shows what is shaded in the fragment. The map's own resolution is what is left.
+// On a large ball every lookup shows the same light as shading in the fragment, up to the map's resolution.
 TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
   const Pyramid map = reflectance_of(lights, 256);
   const gl::Mesh mesh(gl(), ball(48));
@@ -225,7 +227,7 @@ TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
   }
 }
 
-// Small: a ball of 16 pixels, whose normals turn by some degrees a pixel. Williams's figures 18 and 19 in numbers.
+// On a ball of 16 pixels, normals turn by some degrees per pixel: Williams's figures 18 and 19 in numbers.
 TEST_F(HighlightTest, ThePyramidAntialiases) {
   const Pyramid map = reflectance_of(lights, 256);
   const gl::Mesh mesh(gl(), ball(48));
@@ -242,7 +244,7 @@ TEST_F(HighlightTest, ThePyramidAntialiases) {
     before.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kBilinear, true, scene));
     after.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kLevel, true, scene));
   }
-  // Silhouettes are not antialiased by any map: only pixels that the ball covers whole are compared.
+  // No map antialiases silhouettes, so only pixels that the ball covers completely are compared.
   for (std::size_t k = 0; k < references.size(); ++k)
     for (std::size_t i = 0; i < references[k].rgba.size(); i += 4)
       if (references[k].rgba[i + 3] < 1.0f)
@@ -283,8 +285,8 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
   EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
 }
 
-// A surface of height 0 seen face-on from one unit above, by a lens for which one unit is 64 pixels: its finest points,
-// of 64 a side, lie a pixel apart (but for the 1 / 63 that a grid's ends add).
+// A surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The surface's
+// finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
 TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
   const auto level = [&](double distance, double spacing) {
@@ -294,13 +296,13 @@ TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   EXPECT_NEAR(level(200.0, 1.0), 1.0, 0.03);
   EXPECT_NEAR(level(300.0, 1.0), std::log2(3.0), 0.03);
   EXPECT_NEAR(level(100.0, 8.0), 3.0, 0.03);
-  EXPECT_EQ(level(10.0, 1.0), 0.0) << "no finer level than the finest";
-  EXPECT_EQ(level(1e9, 1.0), 6.0) << "nor a coarser one than the coarsest";
+  EXPECT_EQ(level(10.0, 1.0), 0.0) << "the level is at least the finest one";
+  EXPECT_EQ(level(1e9, 1.0), 6.0) << "the level is at most the coarsest one";
   EXPECT_NEAR(level_of_projection(flat, {{200.0, 0.0, 0.0}, 64.0 * 100.0}, 1.0), 1.0, 0.03) << "seen edge-on";
 }
 
 TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
-  // Control points on a plane: the patches are that plane, and reach the control points' border.
+  // Control points on a plane: the patches lie in the plane and reach the border of the control points.
   const Pyramid ramp =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 16.0; });
   const PyramidSurface points = surface_at_level(ramp, 1.0), plane = patches_at_level(ramp, 1.0, 4);
@@ -309,8 +311,8 @@ TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
   EXPECT_EQ(plane.indices.size(), 6u * 28u * 28u);
   EXPECT_LT(glm::distance(plane.positions.front(), points.positions.front()), 1e-6f);
   EXPECT_LT(glm::distance(plane.positions.back(), points.positions.back()), 1e-6f);
-  // Between control points of one row that lie evenly, a cubic B-spline of heights z: (z[-1] + 4 z[0] + z[1]) / 6 at
-  // the point, (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
+  // A cubic B-spline of heights z with evenly spaced control points in one row: (z[-1] + 4 z[0] + z[1]) / 6 at a point,
+  // and (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
   const Pyramid wave =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.2 * std::sin(1.1 * x); });
   const PyramidSurface control = surface_at_level(wave, 0.0), spline = patches_at_level(wave, 0.0, 2);
@@ -318,11 +320,11 @@ TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
   const auto found = [&](int i) { return static_cast<std::size_t>(10 * spline.columns + i); };
   EXPECT_NEAR(spline.positions[found(2 * 6)].z, (z(5) + 4.0f * z(6) + z(7)) / 6.0f, 1e-6f);
   EXPECT_NEAR(spline.positions[found(2 * 6 + 1)].z, (z(5) + 23.0f * z(6) + 23.0f * z(7) + z(8)) / 48.0f, 1e-6f);
-  const float slope = 15.0f * 0.5f * (z(7) - z(5));  // at the point, by x: points lie 1 / 15 apart
+  const float slope = 15.0f * 0.5f * (z(7) - z(5));  // at the point, along x; points are 1 / 15 apart
   EXPECT_LT(glm::distance(spline.normals[found(2 * 6)], glm::normalize(glm::vec3(-slope, 0.0f, 1.0f))), 1e-5f);
 }
 
-// A ring of control points: closed, without a seam.
+// A ring of control points gives a closed surface without a seam.
 TEST(PyramidSurfaceTest, PatchesOfPeriodicPositionsAreClosed) {
   constexpr int kSize = 16;
   Pyramid tube = make_pyramid(PyramidKind::kPosition, kSize, WrapMode::kPeriodic, [](int x, int y, int c) {
@@ -389,7 +391,8 @@ TEST_F(PyramidModesTest, ASurfaceAtALevel) {
 
 TEST_F(PyramidModesTest, ASurfaceByItsProjectionAndInPatches) {
   write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; }), "h.exr");
-  // 32 pixels high, a right angle: a unit at distance 1 is 16 pixels, so that points lie 16 / 63 pixels apart.
+  // A picture of 32 pixels and a right angle: a unit at distance 1 is 16 pixels, so that points are 16 / 63 pixels
+  // apart.
   const std::vector<std::string> above = {"lod", path("h.exr"), "--camera", "0,0,1,0,0,0,90"};
   const auto drawn = [&](std::vector<std::string> more) {
     more.insert(more.begin(), above.begin(), above.end());
@@ -403,7 +406,7 @@ TEST_F(PyramidModesTest, ASurfaceByItsProjectionAndInPatches) {
   expect_refusal({"lod", path("h.exr"), "--level", "1", "--point-spacing", "1"}, 2, {"--point-spacing", "--level"});
 }
 
-// Bumps smaller than a pixel alias; the surface of a coarser level has none. The reference keeps them.
+// Bumps smaller than a pixel alias; a coarser surface level has no such bumps. The reference keeps them.
 TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
   write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp,
                      [](int x, int y, int) { return 0.01 * std::sin(1.5 * x) * std::sin(1.5 * y); }),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view's subcommands: the help of each, the old options that stand for them, and what is refused. Those of
-// pyramids and of texture inference are in pyramid_view_test.cpp and inferred_view_test.cpp.
+// Tests multum-view's subcommands: the help of each, the old options that still select them, and refusals. Pyramids and
+// texture inference have their own tests: pyramid_view_test.cpp and inferred_view_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class ViewCommandTest : public ::testing::Test {
     arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum-view");
     return run_child(arguments);
   }
-  /// The bytes of `name`, which the command draws.
+  /// Draws the file `name` with the command and returns its bytes.
   std::string drawn(const std::string& name, std::vector<std::string> arguments) const {
     std::filesystem::remove(path(name));
     arguments.insert(arguments.end(), {"--context", "osmesa"});
@@ -44,7 +44,7 @@ class ViewCommandTest : public ::testing::Test {
     testing::expect_says(result.output, parts);
     EXPECT_EQ(folder_.names(), before);
   }
-  /// Two objects of one map, as a scene's bake leaves them.
+  /// Writes a scene's bake: two objects that share one map.
   void write_plan() const {
     nlohmann::json view = {{"file", "map.ndf.exr"},
                            {"size", "32x24"},
@@ -72,7 +72,7 @@ const std::vector<std::string> kObjectAsOptions = {
     "--fixed-fresnel", "0.1,0.1,0.1", "--light",    "0.3,0.8,0.5,2",
     "--point-light",   "0,2,1,3,2,1"};
 
-// A reference that is kept is the one that would be drawn; what is no reference is refused.
+// A stored reference equals the one that would be drawn; other files are refused.
 TEST_F(ViewCommandTest, AReferenceIsKept) {
   const auto compared = [&](std::vector<std::string> more, int code) {
     more.insert(more.begin(), {path("map.ndf.exr"), "-o", path("out.png"), "--compare", "reference", "--samples", "4",
@@ -88,7 +88,7 @@ TEST_F(ViewCommandTest, AReferenceIsKept) {
   const std::string bytes = testing::read_bytes(path("r"));
   EXPECT_EQ(bytes.size(), 8u + 32u + 32u * 24u * 16u);
   EXPECT_EQ(compared(kept, 0), drawn);
-  // It is read: another one gives another error.
+  // A different stored reference changes the error, so the file is really read.
   std::string other = bytes;
   std::fill(other.begin() + 40, other.end(), '\0');
   testing::write_bytes(path("r"), other);
@@ -105,7 +105,7 @@ TEST_F(ViewCommandTest, AReferenceIsKept) {
   EXPECT_EQ(testing::read_bytes(path("r")), bytes);
 }
 
-// The picture is the one that is drawn without a comparison, and the comparison's errors are the same.
+// The picture equals the one drawn without a comparison, and the comparison's errors do not change.
 TEST_F(ViewCommandTest, AMapIsComparedAndShownAlone) {
   const auto drawn = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {path("map.ndf.exr"), "-o", path("out.png"), "--report", path("out.json"), "--context",
@@ -128,7 +128,7 @@ TEST_F(ViewCommandTest, AMapIsComparedAndShownAlone) {
   EXPECT_GT(shown.second, 0.0);
 }
 
-// Command lines of a file make what they make by themselves, up to the first that fails.
+// Command lines from a file give the same results as single commands, up to the first command that fails.
 TEST_F(ViewCommandTest, CommandLinesOfAFileAreRunInOneProcess) {
   const auto line = [&](const std::string& picture, const std::string& size) {
     return std::vector<std::string>{path("map.ndf.exr"), "-o", path(picture), "--context", "osmesa", "--size", size};
@@ -182,7 +182,7 @@ TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
   }
 }
 
-// A triangle of one material; `extension`: of it, what glTF has under "extensions".
+// A triangle with one material; `extension` is the text of the material's "extensions" in glTF.
 std::string model_of_material(const std::string& extension) {
   return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],)"
@@ -218,7 +218,7 @@ TEST_F(ViewCommandTest, APlanIsDrawnAsItsOptionsAre) {
   EXPECT_EQ(drawn("a.exr", {"scene", path("plan.json"), "--object", "wall", "-o", picture}), expected);
   EXPECT_EQ(drawn("a.exr", {"scene", path("plan.json"), "--object=floor", "--light", "0.3,0.8,0.5,2", "-o", picture}),
             expected)
-      << "options replace what the plan says";
+      << "options replace the plan's values";
   EXPECT_NE(drawn("a.exr", {"scene", path("plan.json"), "--object=floor", "-o", picture}), expected);
 }
 

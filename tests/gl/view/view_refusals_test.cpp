@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What multum-view refuses and warns of: exit codes, messages, and files that appear whole or not at all.
+// Tests multum-view's refusals and warnings: exit codes, messages, and files that appear complete or not at all.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -133,7 +133,7 @@ TEST_F(ViewRefusalTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
 }
 
 TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
-  // A ramp: what its slopes are at the border depends on the wrap mode, and everywhere on the height scale.
+  // A ramp: its slopes depend on the height scale everywhere, and at the border on the wrap mode.
   constexpr int kSize = 16;
   const auto write_heights = [&](double power) {
     std::vector<std::uint16_t> rgb;
@@ -156,7 +156,7 @@ TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
   baked.header.provenance.settings = json.dump();
   baked.header.provenance.source_hash = hash_file(path("h.png"));
   write_movmf_mipmap(path("map.ndf.exr"), baked, {});
-  // Seen from above, near enough that texels are magnified: all that is left is the border between texels.
+  // Seen from above and near, so that texels are magnified: the only error left is at borders between texels.
   const auto error = [&](const std::vector<std::string>& more, bool warns) {
     std::vector<std::string> arguments = {
         "-o",       path("out.png"),  "--compare", "reference", "--size",   "64x48",        "--samples", "16",
@@ -192,10 +192,10 @@ TEST_F(ViewRefusalTest, WarnsOfASourceThatIsNotRead) {
 }
 
 TEST_F(ViewRefusalTest, LinksNeitherGlNorOpenCl) {
-  // What the program itself asks for: image libraries may pull in more, OpenCV's OpenCL among it.
+  // Lists only libraries that the program names itself: image libraries may load more, such as OpenCL through OpenCV.
   const ChildResult needed = run_child({"readelf", "-d", std::string(MULTUM_BIN_DIR) + "/multum-view"});
   ASSERT_EQ(needed.exit_code, 0);
-  EXPECT_NE(needed.output.find("libOpenEXR"), std::string::npos) << needed.output;  // the list is there
+  EXPECT_NE(needed.output.find("libOpenEXR"), std::string::npos) << needed.output;  // readelf printed the list
   for (const char* library : {"libOpenCL", "libGL", "libEGL", "libOSMesa", "libOpenGL"})
     EXPECT_EQ(needed.output.find(library), std::string::npos) << library;
 }

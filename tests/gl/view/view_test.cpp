@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view as its user meets it: pictures, reports, animations.
+// Tests multum-view as its users call it: pictures, reports, animations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ TEST_F(ViewTest, WritesPictureAndReport) {
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
 }
 
-// Untold a reference has the samples that its noise takes; how many, and by which filter pictures are drawn, is said.
+// By default a reference takes as many samples as its noise requires; the report states their number and the filter.
 TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   const std::vector<std::string> common = {"-o",       path("out.png"), "--compare", "reference", "--size",   "64x48",
                                            "--report", path("r.json"),  "--context", "osmesa",    "--repeat", "60"};
@@ -69,12 +69,12 @@ TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   EXPECT_EQ(other["pixel_filter"], "tent");
   EXPECT_EQ(report_of({"--samples", "4", "--anisotropy", "1"})["filter"],
             (nlohmann::json{{"of", "driver"}, {"anisotropy", 1.0}}));
-  // Of texels, with any number of taps: what is left is the baked texels' own error, and none of this map's.
+  // Nearest texels, with any number of taps: only the baked texels' own error is left, and this map has none.
   const auto error = [](const nlohmann::json& report) { return report["pictures"][1]["relative_l1"].get<double>(); };
   EXPECT_LT(error(report_of({"--samples", "1024", "--reference-of", "texels", "--taps", "8"})), 0.03);
 }
 
-// What a file of moments shows is what --compare makes of its source.
+// A file of moments draws the same picture as the baseline that --compare draws from its source.
 TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(map.image, StorageEncoding::kHalf), {});
@@ -103,7 +103,7 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.002);
 }
 
-// Of a broad highlight, which order 8 has: near the reference, whatever the BRDF.
+// Order 8 can represent this broad highlight: the error is small with every BRDF.
 TEST_F(ViewTest, DrawsSphericalHarmonics) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
@@ -117,13 +117,12 @@ TEST_F(ViewTest, DrawsSphericalHarmonics) {
     const nlohmann::json report = nlohmann::json::parse(file);
     for (const nlohmann::json& picture : report["pictures"])
       if (picture["name"] != "reference") errors[picture["name"]] = picture["relative_l1"];
-    EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // most of it the blur of an oblique view
+    EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // mostly the blur of an oblique view
     EXPECT_LT(errors.at("multum"), errors.at("mip")) << brdf;
   }
 }
 
-// The two-tilt map with a BRDF's width in its lobes, of the mean cosine c; or with weights 1/4 and 3/4, of all lobes
-// alike.
+// The two-tilt map with a BRDF's width of mean cosine c in its lobes; or with weights 1/4 and 3/4 in all lobes.
 gl::TestMap with_roughness(float c) {
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   map.mipmap.header.has_roughness = true;
@@ -171,8 +170,8 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, {"--roughness", "--source"});
 }
 
-// The baselines have the roughness map that an engine would have: one roughness everywhere is the BRDF of that width,
-// and several are averaged as perceptual roughness, level by level.
+// The baselines get the roughness map that an engine would use. One roughness everywhere is the BRDF of that width;
+// several are averaged as perceptual roughness, level by level.
 TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   const auto draw = [&](const std::string& baseline, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"-o",        path("out.exr"), "--compare",  "reference," + baseline,
@@ -194,7 +193,7 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   };
   const gl::TestMap plain = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   const auto write = [&](const MovmfMipmap& mipmap) { write_movmf_mipmap(path("map.ndf.exr"), mipmap, {}); };
-  // The width of LEAN's facets is alpha^2 / 2, that of s + 2.
+  // The variance of LEAN's facets is alpha^2 / 2, which matches s + 2.
   for (const auto& [baseline, brdf] :
        {std::pair{"mip", "blinn-phong:30"}, std::pair{"toksvig", "blinn-phong:30"}, std::pair{"lean", "blinn-phong:32"},
         std::pair{"lean-jacobian", "blinn-phong:32"}}) {
@@ -210,7 +209,7 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
     EXPECT_EQ(report["brdf"], "roughness-map");
     EXPECT_FALSE(report.contains("exponent"));
   }
-  // Far away, roughnesses of 0.3 and 0.7 by turns are 0.5, alpha^2 = 1/16, c = 31/32.
+  // Far away, alternating roughnesses of 0.3 and 0.7 average to 0.5: alpha^2 = 1/16, c = 31/32.
   gl::TestMap varied = plain;
   varied.mipmap.header.has_roughness = true;
   varied.mipmap.header.mean_cosine = 0.94f;
@@ -228,7 +227,7 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   }
 }
 
-// Weights of 1/4 and 3/4 everywhere: what is drawn is that much of each BRDF.
+// With weights of 1/4 and 3/4 everywhere, the picture is 1/4 of one BRDF and 3/4 of the other.
 TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
   const auto draw = [&](const std::vector<std::string>& brdfs) {
     std::vector<std::string> arguments = {"-o", path("out.exr"), "--size", "48x32", "--context", "osmesa"};
@@ -300,7 +299,7 @@ TEST_F(ViewTest, WritesFloatsToExr) {
   EXPECT_TRUE(fs::exists(path("out.exr")));
 }
 
-// Every family of BRDFs and every kind of light draws, and says so in the report; lobes are nearer than averages.
+// Every BRDF family draws under every kind of light, and the report names both; lobes have lower errors than averages.
 TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   std::ofstream(path("fit.json")) << R"({"layers": [{"kernel": [[0], [0], [1], [0], [0], [0]], "bias": [0]},
                                          {"kernel": [[8, 8, 6]], "bias": [-5, -5, -4]}]})";
@@ -329,7 +328,7 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   EXPECT_EQ(row({"--brdf", "ggx:0.6", "--environment", path("sky.hdr"), "--environment-mode", "sh"}), "ggx");
 }
 
-// An environment sees one lobe of the mean normal, of Toksvig and of LEAN: the pictures are the same, and a line says
+// In an environment, LEAN and Toksvig both use one lobe of the mean normal: the pictures are equal, and a message says
 // so.
 TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
   write_sky();
@@ -368,7 +367,7 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
             hash_file((folder_ / "frames" / "frame_0002.png").string()));
   std::ifstream file(path("r.json"));
   EXPECT_EQ(nlohmann::json::parse(file)["pictures"].size(), 3u);
-  // The first frame is what the same options show without it.
+  // The first frame equals the picture without an animation.
   const ChildResult still = view(
       {"-o", path("still.png"), "--brdf", "ggx:0.5", "--light", "0,0.5,1", "--size", "16x12", "--context", "osmesa"});
   ASSERT_EQ(still.exit_code, 0) << still.output;
@@ -389,7 +388,7 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, {"--to-brdf", "'multum-view animate'"});
 }
 
-// The last frame is what the last frame's environment shows by itself.
+// The last frame equals a picture under the last frame's environment.
 TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
   write_sky();
   write_night();
@@ -428,7 +427,7 @@ TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
   expect_refusal({"-o", path("out.png"), "--environment-turn", "10"}, 2, {"--environment-turn", "no --environment"});
 }
 
-// A file that begins at level 1 or 2, and the normal map that has the rest.
+// A file that begins at level 1 or 2, and the normal map with the finer levels.
 class FirstLevelViewTest : public ViewTest {
  protected:
   static constexpr int kSize = 32;
@@ -453,7 +452,7 @@ class FirstLevelViewTest : public ViewTest {
     drop_finer_levels(map_.mipmap, first_level);
     write_movmf_mipmap(path("map.ndf.exr"), map_.mipmap, {});
   }
-  // How far what is drawn is from the reference, which is drawn of the same source.
+  // Returns the picture's error relative to the reference, which is drawn from the same source.
   double error(const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"-o",        path("out.png"),  "--source", path("n.png"),  "--compare",
                                           "reference", "--size",         "64x48",    "--samples",    "16",
@@ -470,22 +469,22 @@ class FirstLevelViewTest : public ViewTest {
 };
 
 TEST_F(FirstLevelViewTest, FromAfarPicturesAreThoseOfAFileThatHoldsEveryLevel) {
-  const std::vector<std::string> far = {"--camera", "0,30,60,0,30,0,40", "--repeat", "10"};  // 3.6 texels a pixel
+  const std::vector<std::string> far = {"--camera", "0,30,60,0,30,0,40", "--repeat", "10"};  // 3.6 texels per pixel
   write_from(0);
   const double whole = error(far);
-  EXPECT_GT(whole, 0.01) << "a map that averages are wrong for, or there is nothing to compare";
+  EXPECT_GT(whole, 0.01) << "averages must have errors on this map, or the test compares nothing";
   for (const int first_level : {1, 2}) {
     write_from(first_level);
     EXPECT_NEAR(error(far), whole, 0.1 * whole) << first_level;
   }
-  // The picture by itself needs the source as well, and no --compare.
+  // A picture without --compare needs the source too.
   const ChildResult alone =
       view({"-o", path("alone.png"), "--source", path("n.png"), "--size", "16x12", "--context", "osmesa"});
   EXPECT_EQ(alone.exit_code, 0) << alone.output;
   EXPECT_EQ(alone.output.find("is not read"), std::string::npos) << alone.output;
 }
 
-// Half a texel a pixel.
+// Each pixel covers half a texel.
 TEST_F(FirstLevelViewTest, NearTheNormalMapIsTheSurfaceBetweenTexels) {
   const std::vector<std::string> near = {"--camera", "0,30,60,0,30,0,40",  "--repeat",
                                          "1.29",     "--reference-texels", "interpolated"};
@@ -537,7 +536,7 @@ TEST_F(ViewTest, MeshesStandUprightUnderAnyCamera) {
   write_text_file(path("quad.obj"),
                   "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n"
                   "f 1/1/1 2/2/1 3/3/1\n");
-  // PNG: OpenImageIO dates an EXR.
+  // Uses PNG, because OpenImageIO writes the date into an EXR.
   const auto picture = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"-o",     path("out.png"), "--mesh",    path("quad.obj"),
                                           "--size", "32x24",         "--context", "osmesa"};
@@ -575,7 +574,7 @@ TEST_F(ViewTest, AMeshIsDrawnFromNearAndFar) {
   EXPECT_FALSE(fs::exists(path("out.exr")));
   for (const char* name : {"each_1_multum.exr", "each_2_multum.exr", "each_8.5_multum.exr"})
     EXPECT_TRUE(fs::exists(path(name))) << name;
-  // As many pixels as the square of the distance leaves, about.
+  // The number of lit pixels falls with about the square of the distance.
   const auto near = static_cast<double>(lit("out_1.exr"));
   EXPECT_GT(near, 0.45 * 64 * 64) << "it fills the picture";
   EXPECT_NEAR(static_cast<double>(lit("out_2.exr")) / near, 1.0 / 4.0, 0.05);
@@ -584,7 +583,7 @@ TEST_F(ViewTest, AMeshIsDrawnFromNearAndFar) {
   const auto report = nlohmann::json::parse(file);
   ASSERT_EQ(report["pictures"].size(), 3u);
   EXPECT_EQ(report["pictures"][2]["distance"], 8.5);
-  // The camera that is said draws the picture that it was said of.
+  // The printed camera draws the same picture again.
   const std::size_t at = said.find("--camera ") + 9;
   draw({"--camera", said.substr(at, said.find(':', at) - at)});
   EXPECT_NEAR(static_cast<double>(lit("out.exr")), near, 8.0);
@@ -616,12 +615,12 @@ TEST_F(ViewTest, TheEnvironmentIsSeenBehindWhatItLights) {
   EXPECT_EQ(corner({"--no-background"}), 0.0f);
 }
 
-// The service shows what could be made before something failed.
+// The thumbnails made before a failure are kept, and the service shows them.
 TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   const auto make = [&](const std::string& source) {
     fs::remove_all(path("small"));
     fs::create_directory(path("small"));
-    // As the service calls it.
+    // The service's own command line.
     std::vector<std::string> arguments = {"thumbnails", "--context=osmesa", "--output=" + path("small")};
     if (!source.empty()) arguments.push_back("--source=" + path(source));
     arguments.insert(arguments.end(), {"--", path("map.ndf.exr")});
@@ -638,7 +637,7 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   write_png16(path("flat.png"), 16, 16, texels, "Linear");
   EXPECT_EQ(make("").exit_code, 0);
   EXPECT_EQ(names(), std::set<std::string>({"render.png"}));
-  // No hash in the file: any source is taken for its own.
+  // The file holds no hash, so that any source is accepted.
   const ChildResult all = make("flat.png");
   EXPECT_EQ(all.exit_code, 0) << all.output;
   EXPECT_EQ(names(), std::set<std::string>({"render.png", "input.png", "error.png"}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder with a small baked map, and multum-view run in it.
+// Makes a folder with a small baked map and runs multum-view in it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -42,13 +42,13 @@ class ViewTest : public ::testing::Test {
     expect_says(result.output, parts);
     EXPECT_FALSE(std::filesystem::exists(path("out.png")));
   }
-  /// sky.hdr: blue above, brown below.
+  /// Writes sky.hdr: blue above, brown below.
   void write_sky() const {
     std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
     for (int i = 0; i < 128; ++i) sky += i < 64 ? "\x60\x80\xC0\x81" : "\x40\x30\x20\x7F";
     std::ofstream(path("sky.hdr"), std::ios::binary) << sky;
   }
-  /// night.hdr, of the same size: bright in one half around, so that a turn shows.
+  /// Writes night.hdr, of the same size: only one half of the horizon is bright, so that a turn shows.
   void write_night() const {
     std::string night = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
     for (int i = 0; i < 128; ++i) night += i % 16 < 8 ? "\x20\x40\xC0\x81" : "\x40\x30\x20\x7B";

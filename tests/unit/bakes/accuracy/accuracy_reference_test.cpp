@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages of a plane that comes row by row, and the reference made of them, against the plain averages in double.
+// Compares averages of a plane that arrives row by row, and the reference computed from them, with plain averages in
+// double.
 #include "host/bakes/accuracy/accuracy_reference.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +37,7 @@ std::vector<std::vector<int>> some_texels(const std::vector<PlaneSize>& levels, 
 
 constexpr PlaneSize kSizes[] = {{1, 1}, {64, 32}, {37, 20}, {23, 61}, {300, 7}, {1, 19}, {255, 130}};
 
-// Calls body(level, slot, average) for each selected texel, with the average of `finest` over what it covers.
+// Calls body(level, slot, average) for each selected texel, with the average of `finest` over the covered area.
 template <typename Body>
 void for_each_average(const std::vector<double>& finest, const std::vector<PlaneSize>& levels,
                       const TexelSelection& texels, const Body& body) {
@@ -126,7 +127,7 @@ TEST(AccuracyReferenceTest, IsTheAverageOverAllNormals) {
   }
 }
 
-// Of several families in any order: what is averaged, times highlight_scale(), is the density itself.
+// Tries several BRDF families in any order: the average times highlight_scale() is the density itself.
 TEST(AccuracyReferenceTest, TakesEveryHighlight) {
   const PlaneSize map{37, 61};
   const Planes planes(map);
@@ -154,7 +155,7 @@ TEST(AccuracyReferenceTest, TakesEveryHighlight) {
   }
 }
 
-// Bit for bit.
+// The results are equal bit for bit.
 TEST(AccuracyReferenceTest, DoesNotDependOnThreadsBandsOrWhereThePlanesAre) {
   const testing::TemporaryFolder folder;
   for (const PlaneSize map : {PlaneSize{64, 32}, PlaneSize{37, 61}}) {

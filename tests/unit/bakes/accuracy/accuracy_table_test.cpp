@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured errors as people and as files have them; any other text in the attribute is recognised as such.
+// Tests measured errors as people read them and as files store them; other text in the attribute is passed through.
 #include "host/bakes/accuracy/accuracy_table.h"
 #include "host/formats/asset/averages/moment_file.h"
 
@@ -46,7 +46,7 @@ TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
   ASSERT_TRUE(parsed.has_value());
   EXPECT_EQ(measured_error_json(parsed->rows), json);
   EXPECT_EQ(accuracy_table(parsed->rows), accuracy_table(some_rows()));
-  EXPECT_TRUE(parsed->footprint_errors.empty()) << "as of files of earlier programs";
+  EXPECT_TRUE(parsed->footprint_errors.empty()) << "files of earlier programs have no such errors";
   EXPECT_TRUE(parse_measured_error("[]")->rows.empty());
 }
 
@@ -73,8 +73,8 @@ TEST(AccuracyTable, ErrorsOfPixelsComeFirst) {
   EXPECT_EQ(footprint_error_text({}), "");
 }
 
-// A writer of rows leaves room for it before anything is measured: as much as the longest takes, of each
-// representation.
+// A writer of rows reserves space for the table before anything is measured. Tests that the space holds the longest
+// table of each representation.
 TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
   const auto longest = [](const std::vector<std::string>& ways) {
     std::vector<AccuracyRow> rows;
@@ -94,7 +94,7 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
   EXPECT_LE(longest({" toksvig", " lean", " lean-jacobian"}), static_cast<std::size_t>(kMomentErrorBytes));
 }
 
-// A table a way of shading and colours, each with a column a BRDF.
+// Each way of shading and of colours has one table, with one column per BRDF.
 TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
   const std::vector<AccuracyRow> rows = {
       {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert toksvig"), 0.125, 0.0, 1},
@@ -105,12 +105,12 @@ TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
   for (const char* part : {"measured error of toksvig, relative", "12.50", "measured error of toksvig with colours, ",
                            "25.00", "measured error of lean, relative", "50.00"}) {
     const std::size_t found = text.find(part, at);
-    ASSERT_NE(found, std::string::npos) << part << " is not in its place in\n" << text;
+    ASSERT_NE(found, std::string::npos) << part << " is missing or out of order in\n" << text;
     at = found;
   }
 }
 
-// Rounding to six digits, then to four, is not rounding to four.
+// Rounding to six digits and then to four may differ from rounding to four.
 TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
   const std::vector<AccuracyRow> rows = {
       {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.0001499996, 0.0, 1}};
@@ -130,12 +130,12 @@ TEST(AccuracyBrdf, HasTheTextThatItIsReadFrom) {
   EXPECT_EQ(parse_accuracy_brdf("ggx:0.5 lean"),
             (AccuracyBrdf{AccuracyBrdfKind::kNamed, 0.0, "ggx:0.5", "lean", false}));
   EXPECT_EQ(AccuracyBrdf::named("my paint.brdf").text(), "my_paint.brdf");
-  // What no program of ours writes is handed on as it is.
+  // Text that none of our programs writes is returned unchanged.
   for (const char* text : {"", " ", "blinn-phong:2e1", "blinn-phong:", "blinn-phong:20x lean", "lambert ", " coloured"})
     EXPECT_EQ(parse_accuracy_brdf(text).text(), text);
 }
 
-// Files of earlier programs have four fields an entry.
+// Files of earlier programs have four fields per entry.
 TEST(AccuracyTable, IntervalsMayBeUnstated) {
   const std::string json = "[[0,\"centre\",\"lambert\",0.125]]";
   const auto stated = parse_measured_error(json);
@@ -148,7 +148,7 @@ TEST(AccuracyTable, IntervalsMayBeUnstated) {
             "      0  unstated           12.50 | -\n");
 }
 
-// However narrow, an interval of a sample is no 0, which says that all texels were measured.
+// An interval of samples never rounds to 0, which would say that all texels were measured.
 TEST(AccuracyTable, IntervalsAreRoundedUp) {
   const std::vector<AccuracyRow> rows = {
       {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.0, kIntervalMin, 9},
@@ -160,7 +160,7 @@ TEST(AccuracyTable, IntervalsAreRoundedUp) {
             "[2,\"centre\",\"lambert\",0.1,0.001201],[3,\"centre\",\"lambert\",0.1,0]]");
   const std::string table = accuracy_table(rows);
   for (const char* part : {" 0.00 +- 0.01 | -", "10.00 +- 0.12 | -", "10.00 +- 0.13 | -", " 10.00 | -"})
-    EXPECT_NE(table.find(part), std::string::npos) << part << " is missing in\n" << table;
+    EXPECT_NE(table.find(part), std::string::npos) << part << " is missing from\n" << table;
   EXPECT_EQ(table, accuracy_table(parse_measured_error(measured_error_json(rows))->rows));
 }
 

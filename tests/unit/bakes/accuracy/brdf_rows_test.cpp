@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Powers of cosines by products: the plan reaches every exponent, and rows are what the plan says, bit for bit,
-// whatever vector registers this machine has.
+// Tests powers of cosines by products: the plan reaches every exponent, and rows follow the plan bit for bit with every
+// size of vector register.
 #include "host/bakes/accuracy/brdf_rows.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// The exponent of each power of a plan.
+// Returns the exponent of each power of a plan.
 std::vector<double> exponents_of(const PowerPlan& plan) {
   std::vector<double> exponents = {1.0};
   for (const PowerProduct& product : plan.products) {
@@ -82,7 +82,7 @@ TEST(BrdfRowsTest, EqualPlainProductsBitForBit) {
         const double exact = std::pow(powers[0], exponents[e]);
         const double plain = plan.whole[e] >= 0 ? powers[static_cast<std::size_t>(plan.whole[e])] : exact;
         ASSERT_EQ(found[e][i], plain) << exponents[e];
-        // A power of two factors of m and n roundings has m + n + 1.
+        // A product of two factors with m and n roundings has m + n + 1 roundings.
         EXPECT_NEAR(plain, exact, exponents[e] * std::numeric_limits<double>::epsilon() * exact + 1e-300);
       }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Footprints: how they are spread, what the filter reads for them, and their averages, beside double precision by
-// definition (host/lab/reference/pixel_footprint.h).
+// Tests footprints: their distribution, the texels that the filter reads for them, and their averages, compared with
+// the definition in double precision (host/lab/reference/pixel_footprint.h).
 #include "host/bakes/accuracy/footprints.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ reference::PixelRectangle rectangle_of(const Footprint& footprint) {
   return {footprint.centre, footprint.longer_side, footprint.shorter_side};
 }
 
-// Every octave has as many; sizes, elongations and places are one in each of as many equal parts.
+// Every octave has equally many. Sizes, elongations and places are stratified: one footprint in each of equal parts.
 TEST(Footprints, AreSpreadEvenly) {
   constexpr int kCount = 64, kWidth = 300, kHeight = 100;
   const std::vector<Footprint> all = choose_footprints(kWidth, kHeight, {kCount, 1, 7});
@@ -64,13 +64,13 @@ TEST(Footprints, AreSpreadEvenly) {
     EXPECT_EQ(std::count(sizes.begin(), sizes.end(), 1), kCount);
     EXPECT_EQ(std::count(elongations.begin(), elongations.end(), 1), kCount);
     for (const int column : columns) EXPECT_NEAR(column, kCount / 3.0, 4.0);
-    EXPECT_NEAR(turned, 2.0 / M_PI, 0.25);  // the mean sine of directions that are spread evenly
+    EXPECT_NEAR(turned, 2.0 / M_PI, 0.25);  // the mean sine of evenly spread directions
   }
-  EXPECT_EQ(choose_footprints(1, 1, {5}).size(), 5u) << "of one octave, of a map of one texel too";
+  EXPECT_EQ(choose_footprints(1, 1, {5}).size(), 5u) << "one octave suffices, even for a map of one texel";
   EXPECT_TRUE(choose_footprints(16, 16, {0}).empty());
 }
 
-// Shaded one by one, taps read the same texels, those of a point together, and their mean weighs them alike.
+// Shaded one by one, taps read the same texels, grouped by point, and their mean has the same weights.
 void expect_same_tap_by_tap(const std::vector<FilterTap>& averaged, const Footprint& footprint,
                             const std::vector<PlaneSize>& sizes, const FootprintSettings& settings) {
   const double longer = glm::length(footprint.longer_side), shorter = glm::length(footprint.shorter_side);
@@ -113,7 +113,7 @@ TEST(Footprints, AreFilteredAsTheGlDoes) {
   }
 }
 
-// Points of the definition lie 1/400 of a side apart, on values as random as can be: their own error is up to 0.002.
+// Points of the definition are 1/400 of a side apart, on random values: their own error is up to 0.002.
 TEST(Footprints, AveragesAreThoseOfTheDefinition) {
   for (const PlaneSize size : {PlaneSize{32, 32}, PlaneSize{45, 13}, PlaneSize{1, 1}, PlaneSize{100, 3}}) {
     const reference::ValuePlane plane = random_plane(size, 5);
@@ -123,7 +123,7 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
       const FootprintAverages averages(choose_footprints(size.width, size.height, settings), size.width, size.height,
                                        settings);
       std::vector<double> sums(2 * averages.footprints().size());
-      std::vector<double> doubled(sums.size());  // the same of a product
+      std::vector<double> doubled(sums.size());  // average of a product
       std::vector<double> scratch(averages.scratch_length());
       const std::vector<double> twos(static_cast<std::size_t>(size.width), 2.0);
       for (int y = 0; y < size.height; ++y) {
@@ -143,7 +143,7 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
   }
 }
 
-// Two octaves of two footprints each, worked out by hand: R = 6 / 20; residuals d - R t of 1 and -0.4, and 0 and -0.6.
+// Two octaves of two footprints each, computed by hand: R = 6 / 20; residuals d - R t are 1 and -0.4, and 0 and -0.6.
 TEST(FootprintErrors, AreARatioWithItsInterval) {
   std::vector<Footprint> footprints(4);
   footprints[2].octave = footprints[3].octave = 1;
@@ -158,7 +158,7 @@ TEST(FootprintErrors, AreARatioWithItsInterval) {
   EXPECT_EQ(error.sample_count, 4);
 }
 
-// Where no light is where the highlight is, differences are in parts of a hundredth of a white diffuse surface.
+// Where the highlight has no light, differences are relative to a hundredth of a white diffuse surface.
 TEST(FootprintErrors, OfNextToNothingAreFinite) {
   const std::vector<Footprint> footprints(2);
   const FootprintError error =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which map of a run goes where.
+// Tests the output path of each map in a run.
 #include "host/bakes/bake/bake_batch.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake's time, which budgets are held to.
+// Tests a bake's measured time, which time budgets limit.
 #include "host/bakes/bake/bake_report.h"
 
 #include <gtest/gtest.h>

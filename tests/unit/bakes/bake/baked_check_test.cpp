@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a measured error is worse than what a file states of itself.
+// Tests when a measured error counts as worse than the error stated in the file.
 #include "host/bakes/bake/baked_check.h"
 
 #include <gtest/gtest.h>
@@ -41,13 +41,14 @@ TEST(BakedCheck, ErrorsOfPixelsAreHeldToo) {
 TEST(BakedCheck, RoundingIsNoFinding) {
   const std::vector<AccuracyRow> stated = {row(0, 0.0), row(1, 0.5)};
   EXPECT_EQ(worse_rows(stated, stated), "");
-  EXPECT_EQ(worse_rows({row(0, 0.00009), row(1, 0.505)}, stated), "") << "0.01 points, and 1 % of the error";
+  EXPECT_EQ(worse_rows({row(0, 0.00009), row(1, 0.505)}, stated), "")
+      << "0.01 percentage points and 1 % of the error are allowed";
   EXPECT_EQ(worse_rows({row(0, 0.0), row(1, 0.1)}, stated), "") << "better is not worse";
   EXPECT_NE(worse_rows({row(0, 0.00011)}, stated), "");
   EXPECT_NE(worse_rows({row(1, 0.506)}, stated), "");
 }
 
-// Earlier programs stated no intervals, and looked at other texels.
+// Earlier programs stated no intervals and measured other texels.
 TEST(BakedCheck, WithoutAnIntervalThereIsRoom) {
   std::vector<AccuracyRow> stated = {row(0, 0.426)};
   EXPECT_NE(worse_rows({row(0, 0.609)}, stated), "");

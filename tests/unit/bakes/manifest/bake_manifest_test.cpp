@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manifests: read into the jobs that the same options of the command line make, and each refusal by line, key, what was
-// found and what was expected.
+// Tests manifests: they give the same jobs as the same options on the command line. Each refusal names the line, the
+// key, the value found and the value expected.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ class BakeManifestTest : public ::testing::Test {
     write_bytes(path(), text);
     return read_bake_manifest(path(), pattern_);
   }
-  // The first `from` becomes `to`; the refusal must name that line, and all of `parts`.
+  // Replaces the first `from` by `to`; the refusal must name that line and contain all of `parts`.
   void expect_refused(const std::string& from, const std::string& to, std::vector<std::string> parts) const {
     SCOPED_TRACE(to);
     const std::size_t at = kManifest.find(from);
@@ -70,7 +70,7 @@ TEST_F(BakeManifestTest, MapsStandOnTheDefaults) {
   EXPECT_EQ(maps[0].error_max, 0.5);
   EXPECT_EQ(maps[0].job.threads, 7) << "the pattern's";
   EXPECT_EQ(maps[1].job.fitting.lobe_count, 2);
-  EXPECT_EQ(maps[1].job.reading.is_signed, false) << "unsigned goes before the defaults' signed";
+  EXPECT_EQ(maps[1].job.reading.is_signed, false) << "the map's 'unsigned' overrides 'signed' of the defaults";
   EXPECT_EQ(maps[1].job.albedo, "");
   EXPECT_EQ(maps[1].error_max, 0.25);
   EXPECT_EQ(read("[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n")[0].error_max, std::nullopt);
@@ -90,7 +90,8 @@ TEST_F(BakeManifestTest, RefitIterationsGoBeforeThoseOfReference) {
   EXPECT_EQ(read(map + "reference = true\nrefit_iterations = 3\n")[0].job.fitting.refit_iterations, 3);
 }
 
-// Every key, set to what is not its default, against options set by hand: both make the same settings of the file.
+// Sets every key to a value other than its default and compares with options set by hand: both give the same settings
+// of the file.
 TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   const std::string whole =
       "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nlobes = 5\nreference = true\niterations = 9\npasses = 3\n"
@@ -215,7 +216,7 @@ TEST_F(BakeManifestTest, OutputsMustBeNamesOfBakedFiles) {
   expect_refused("output = \"out/b.exr\"", "output = \"out\"", {"map.output", "name that ends in"});
 }
 
-// What is said of a map goes before what is said of all.
+// Settings of one map override settings of all maps.
 TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
   const auto of_map = [&](const std::string& defaults, const std::string& map) {
     return read("[defaults]\n" + defaults + "\n[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n" + map)[0];
@@ -286,11 +287,11 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
   EXPECT_EQ(maps[1].job.fitting.lobe_count, 2);
   EXPECT_EQ(maps[1].job.reading.height_scale, 8.0f);
   EXPECT_EQ(maps[1].job.reading.wrap_t, WrapMode::kClamp);
-  EXPECT_FALSE(maps[1].job.reading.green) << "an example that is copied says nothing that may be wrong";
+  EXPECT_FALSE(maps[1].job.reading.green) << "a copied example must not set what may be wrong";
   EXPECT_EQ(maps[2].error_max, 0.95);
 }
 
-// The page has a row for every key that is read, in backquotes.
+// The page has a row, in backquotes, for every key that is read.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/manifests.md");
   std::vector<std::string> keys = bake_parameters().names(kInManifest);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What build services are told: every byte that a file name may have, the counts, and the exit code.
+// Tests the reports for build services: every byte that a file name may contain, the counts, and the exit code.
 #include "host/bakes/manifest/manifest_report.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ TEST(ManifestReport, AllInPlace) {
 }
 
 TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
-  MapResult worse = result_of("w.exr", MapState::kWorse, "is 30 % off");
+  MapResult worse = result_of("w.exr", MapState::kWorse, "has an error of 30 %");
   worse.error = 0.3;
   worse.stated = 0.299999;
   worse.allowed = 0.25;
@@ -59,7 +59,7 @@ TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
             "  missing  m.exr: gone\n"
             "  stale    s.exr: lobes was 2, is 3\n"
             "  damaged  d.exr: x\n"
-            "  worse    w.exr: is 30 % off\n"
+            "  worse    w.exr: has an error of 30 %\n"
             "  failed   f.exr: no map\n");
   const std::string summary = manifest_summary(outcome);
   EXPECT_EQ(summary.rfind("**multum bake --check: FAILED for 5 of 6 maps: ", 0), 0u) << summary;
@@ -99,7 +99,7 @@ TEST(ManifestReport, XmlTakesAnyName) {
   EXPECT_EQ(name_in_xml("a\x01\x1f"
                         "b"),
             "a" + kLost + kLost + "b")
-      << "no characters of XML 1.0";
+      << "XML 1.0 has no such characters";
   for (const char* whole : {"\xC3\xA4", "\xE2\x82\xAC", "\xF0\x9F\xA7\xB1", "\xED\x9F\xBF", "\xF4\x8F\xBF\xBF"})
     EXPECT_EQ(name_in_xml(whole), whole);
   EXPECT_EQ(name_in_xml("x\xFFy"), "x\uefffy");
@@ -115,7 +115,7 @@ TEST(ManifestReport, MarkdownTakesAnyName) {
   const std::string summary = manifest_summary(outcome);
   EXPECT_TRUE(contains(summary, "\n| a\\|b\\`\\*c\\*\\_d\\_\\\\\\<e\\> \\[f\\] | stale |")) << summary;
   EXPECT_TRUE(contains(summary, ": x\\|y z\n")) << summary;
-  EXPECT_TRUE(contains(manifest_failures(outcome), ": x|y z\n")) << "one line a map";
+  EXPECT_TRUE(contains(manifest_failures(outcome), ": x|y z\n")) << "one line per map";
 }
 
 }  // namespace

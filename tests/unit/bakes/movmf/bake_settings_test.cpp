@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each setting outside its range is refused by name, value and range; the settings' text covers what changes pixels.
+// Tests that a setting outside its range is refused with name, value and range, and that the settings' text covers
+// every setting that changes pixels.
 #include "host/bakes/movmf/bake_settings.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every texel of every level is fitted in exactly one step, after the neighbours that its start reads (movmf_start.cl).
+// Tests that every texel of every level is fitted in exactly one step, after the neighbours that its start reads
+// (movmf_start.cl).
 #include "host/bakes/movmf/mip_schedule.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(
                       ScheduleCase{1, 1, FitOrder::kColour}, ScheduleCase{2, 3, FitOrder::kScanline},
                       ScheduleCase{256, 2, FitOrder::kColour}));
 
-// The step of each texel, from the steps' lists; checks that each texel is there once.
+// Returns the step of each texel from the steps' lists; checks that each texel appears once.
 std::map<int, int> steps_of_texels(const LevelSchedule& level) {
   std::map<int, int> step_of;
   for (int s = 0; s < level.step_count; ++s)
@@ -43,7 +44,7 @@ std::map<int, int> steps_of_texels(const LevelSchedule& level) {
   return step_of;
 }
 
-// movmf_start.cl, fitted_before(): which neighbours a texel's start reads.
+// Returns whether a texel's start reads the neighbour, as fitted_before() of movmf_start.cl decides.
 bool reads(int other_x, int other_y, int x, int y, FitOrder order) {
   if (order == FitOrder::kScanline) return other_y < y || (other_y == y && other_x < x);
   const auto rank = [](int i, int j) {
@@ -93,7 +94,7 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
   for (const LevelSchedule& level : make_mip_schedule(GetParam().width, GetParam().height, settings).levels) {
     SCOPED_TRACE(level.level);
     const MultumMovmfFit& fit = level.fit;
-    // The widest texel, by its own definition: [x W/w, (x + 1) W/w).
+    // The widest texel by definition: [x W/w, (x + 1) W/w).
     int columns = 0;
     for (int x = 0; x < fit.width; ++x) {
       int covered = 0;
@@ -126,7 +127,7 @@ TEST(MipScheduleMethodTest, CoarseTexelsAreCondensedAndSettledOnesStop) {
   }
 }
 
-// Four whole normals and a parent: all that movmf_choose knows.
+// movmf_choose handles only texels of four whole normals with a parent.
 TEST(MipScheduleMethodTest, FourNormalsAreGivenToLobesWhereThereIsAParentToFollow) {
   const auto finest = [](int width, int height, const MovmfSettings& settings) {
     return make_mip_schedule(width, height, settings).levels.back();
@@ -149,7 +150,7 @@ TEST(MipScheduleMethodTest, FourNormalsAreGivenToLobesWhereThereIsAParentToFollo
   settings = {};
   make_reference(settings);
   EXPECT_EQ(finest(64, 64, settings).method, FitMethod::kTexels);
-  // Where level 1 has EM it runs as few iterations as four normals need.
+  // If EM fits level 1, it runs only the iterations that four normals need.
   const LevelSchedule em = finest(63, 64, usual);
   EXPECT_EQ(em.fit.iteration_count, kIterationsFewNormals);
   EXPECT_EQ(em.refit_iterations, MovmfSettings().refit_iterations);
@@ -171,7 +172,7 @@ TEST(MipScheduleFirstLevelTest, FinerLevelsAreNotScheduledAndTheOthersAreAsTheyW
   }
 }
 
-// Bands of rows, beyond the borders too, hold what the whole level holds there.
+// Bands of rows, also beyond the borders, hold the same values as the whole level.
 TEST(MipScheduleStepTest, RowsBeyondABorderAreThoseOfTheLevelRepeated) {
   const LevelSchedule level = make_mip_schedule(20, 26, MovmfSettings()).levels.back();  // 10 x 13: odd
   ASSERT_EQ(level.fit.height, 13);
@@ -208,7 +209,7 @@ TEST(MipScheduleWeightTest, OnlySidesThatHalveWithoutRestAreUnweighted) {
 }
 
 TEST(MipScheduleWeightTest, ThreeTimesAPowerOfTwoHasAWholeTopLevel) {
-  // 12 -> 6 -> 3 -> 1: every level divides 12, the last by covering all of it.
+  // 12 -> 6 -> 3 -> 1: the size of every level divides 12; the last level's only texel covers everything.
   const MipSchedule schedule = make_mip_schedule(12, 12, MovmfSettings());
   EXPECT_FALSE(schedule.weighted);
   EXPECT_EQ(schedule.levels.front().fit.sample_columns, 12);

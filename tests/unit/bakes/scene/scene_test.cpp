@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes: each refusal by line, the survey of a map against sums texel by texel, estimates of lobes against maps whose
-// answer is known, levels that are seen, and what is decided of generated maps.
+// Tests scenes: each refusal with its line, the survey of a map against sums over its texels, and estimates of lobes on
+// maps with known answers. Also tests which levels are seen, and the plans for generated maps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -57,14 +57,14 @@ std::string with(std::string text, const std::string& from, const std::string& t
 
 class SceneTest : public ::testing::Test {
  protected:
-  // Whatever is in it, the map is there.
+  // The file must exist; its content does not matter.
   SceneTest() { write_bytes(folder_ / "wall.exr", ""); }
   SceneDescription read(const std::string& text) const {
     write_bytes(path(), text);
     return read_scene(path(), pattern_);
   }
   std::string path() const { return folder_ / "scene.toml"; }
-  /// wall.exr: signed normals.
+  /// Writes wall.exr with signed normals.
   void write_map(int size, const std::function<glm::dvec3(int x, int y)>& normal) {
     TestImage image{size, size, 3, std::vector<float>(static_cast<std::size_t>(3 * size * size))};
     image.type = OIIO::TypeDesc::FLOAT;
@@ -74,7 +74,7 @@ class SceneTest : public ::testing::Test {
         for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(n[c]);
       }
     write_test_image(folder_ / "wall.exr", image);
-    pattern_.hashes = BakeJob().hashes;  // a job holds its inputs to what they were when it first saw them
+    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes of its first look
   }
   ScenePlan plan(const std::string& text) const { return plan_scene(read(text), {2}, nullptr); }
   static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, const std::string& name) {
@@ -104,7 +104,7 @@ TEST_F(SceneTest, IsRead) {
   EXPECT_EQ(scene.lights.size(), 1u);
 }
 
-// multum-view draws eight of each kind.
+// multum-view draws up to eight lights of each kind.
 TEST_F(SceneTest, HasUpToEightLightsOfAKind) {
   const std::string light = "[[light]]\ndirection = [0.1, 0.2, 0.5]\n";
   std::string text = kScene;
@@ -169,7 +169,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
                [&] { read(kScene.substr(0, kScene.find("[[light]]"))); });
 }
 
-// Sides that are no powers of two, too: each finest texel has one parent, and theirs have one, up to the coarsest.
+// Includes sides that are not powers of two: each texel has exactly one parent, up to the coarsest level.
 TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
   for (const auto& [width, height] : {std::pair{64, 64}, std::pair{37, 75}, std::pair{1, 9}}) {
     SCOPED_TRACE(width);
@@ -222,7 +222,7 @@ TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
   }
 }
 
-// The shader's formula, which is within 0.22 % of the exact mean over the sphere of lights.
+// Tests the shader's formula, which is within 0.22 % of the exact mean over the sphere of lights.
 TEST_F(SceneTest, LambertOfALobeIsTheShaders) {
   for (const double kappa : {0.5, 3.0, 20.0, 300.0})
     for (const double theta : {0.0, 0.5, 1.2, 1.6, 2.2}) {
@@ -233,7 +233,8 @@ TEST_F(SceneTest, LambertOfALobeIsTheShaders) {
     }
 }
 
-// Two directions: one lobe is far off a highlight, two are exact; harmonics of low order and moments are not.
+// A map of two directions: one lobe has a large highlight error, two are exact; low-order harmonics and moments are not
+// exact.
 TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   std::vector<float> x, y, z;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -250,14 +251,16 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   EXPECT_GT(errors.sh_error(4, sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.lean_error(sharp, ColourModel::kNone), 0.3);
   EXPECT_GT(errors.gmm_error(1, sharp, ColourModel::kNone), 0.5);
-  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.35) << "facets at a slant are round there, tails end";
+  EXPECT_LT(errors.gmm_error(2, sharp, ColourModel::kNone), 0.35)
+      << "planar Gaussians round slanted facets and cut off tails";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
-  // Harmonics to order 20 follow s = 8: what is left is the estimate's vMF for Blinn-Phong.
+  // Harmonics of order 20 follow s = 8; the remaining error is the estimate's vMF approximation of Blinn-Phong.
   EXPECT_LT(errors.sh_error(20, {{8.0}}, ColourModel::kNone), 0.15);
 }
 
-// Facets at x = +-0.6 that are red and blue: lobes need their own. As many of each colour on both sides: one will do.
+// Red and blue facets at x = +-0.6 need lobes with their own colours. If both sides mix the colours equally, one colour
+// is enough.
 TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
   for (const bool correlated : {true, false}) {
     std::vector<float> x, y, z, r, g, b;
@@ -282,7 +285,7 @@ TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
   }
 }
 
-// As many normals of weight 1 on one side, of 0 on the other: two lobes know, one does not.
+// One side has normals of weight 1 and the other side of weight 0: two lobes separate the weights, one lobe cannot.
 TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
   std::vector<float> x, y, z, first, second;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -302,7 +305,7 @@ TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
   }
 }
 
-// Normals of one length are as wide as their roughness: one lobe of that length is exact, and diffuse light knows none.
+// Equal normals are as wide as their roughness: one lobe of that length is exact, and diffuse light ignores the width.
 TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
   const float length = 0.9f;
   const std::vector<float> none(64 * 64, 0.0f), z(64 * 64, length);
@@ -316,10 +319,10 @@ TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
   EXPECT_LT(errors.error(1, {own}, ColourModel::kNone), 1e-6);
   EXPECT_LT(errors.error(1, {ShadedBy{}}, ColourModel::kNone), 1e-3);
   LobeErrors plain(survey, {});
-  EXPECT_GT(plain.error(1, {ShadedBy{}}, ColourModel::kNone), 0.02) << "the length would dim it";
+  EXPECT_GT(plain.error(1, {ShadedBy{}}, ColourModel::kNone), 0.02) << "the normal's length would darken diffuse light";
 }
 
-// Of every level from the first, at texel centres, of a bake of 4 lobes.
+// Returns the error of a bake of 4 lobes at texel centres, over all levels from the first.
 double measured_error(const PlaneStore& normals, double exponent) {
   static Device device = Device::open("");
   MapInputs inputs;
@@ -342,10 +345,10 @@ double measured_error(const PlaneStore& normals, double exponent) {
   return sum / count;
 }
 
-// Steep waves under highlights that no sample of normals and directions resolves: as of the sharpest that one does, by
-// construction. What that is worth: it is near what a bake of the map measures (1.00 at s = 100 for 1.08
-// estimated, 1.46 at s = 500 for 1.20; where each normal is shaded as sharp as it is, 1.41 and more), and of more lobes
-// it is less.
+// Steep waves under highlights too sharp for the sampled normals and directions: by construction the estimate uses the
+// sharpest highlight that the samples resolve. The estimate is near the measured error of a bake: 1.08 estimated and
+// 1.00 measured at s = 100, 1.20 and 1.46 at s = 500. Shading each normal with its own sharpness gives 1.41 and more.
+// More lobes give lower estimates.
 TEST_F(SceneTest, SharpHighlightsOfSteepMapsHaveEstimatesToCompare) {
   std::vector<float> x, y, z;
   for (int i = 0; i < 128 * 128; ++i) {
@@ -372,17 +375,17 @@ TEST_F(SceneTest, SharpHighlightsOfSteepMapsHaveEstimatesToCompare) {
 }
 
 TEST_F(SceneTest, LevelsAreThoseOfPixels) {
-  SceneCamera camera{90.0, 100, 100};  // a pixel is 0.02 m a metre away
+  SceneCamera camera{90.0, 100, 100};  // a pixel is 0.02 m at a distance of 1 m
   SceneObject object;
   object.texels_per_metre = 800.0;  // 16 texels
   object.distance_min = object.distance_max = 1.0;
   object.tilt_max = 0.0;
   EXPECT_EQ(seen_levels(camera, object, 1024, 11).first, 2)
-      << "a corner is sqrt(3) times nearer along the axis: log2(16 / sqrt(3)) - 1/4";
+      << "a corner's distance along the axis is 1 / sqrt(3): log2(16 / sqrt(3)) - 1/4";
   EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 4);
   object.distance_max = 8.0;
   object.tilt_max = 60.0;
-  EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 7) << "taps lie along the longer side: log2(128) - 1/4";
+  EXPECT_EQ(seen_levels(camera, object, 1024, 11).last, 7) << "taps are spread along the longer side: log2(128) - 1/4";
   object.distance_min = 1e-3;
   object.distance_max = 1e9;
   const SeenLevels all = seen_levels(camera, object, 1024, 11);
@@ -461,7 +464,7 @@ TEST_F(SceneTest, FarAwayTheFinestLevelsAreLeftOut) {
   EXPECT_FALSE(effect(map.effects, "finest levels").needed);
 }
 
-// Four directions and a sharp highlight: all of the default's lobes, and then its very settings.
+// Four directions and a sharp highlight need all of the default's lobes, so that the plan has the default settings.
 TEST_F(SceneTest, WhereAllIsNeededThePlanIsTheDefault) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   const MapPlan map = plan(kScene).maps[0];
@@ -486,7 +489,7 @@ TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
                [&] { plan(with(kScene, "estimate_margin = 0.05", "target_error = 0.0001")); });
 }
 
-// Of a target, the bake's trials decide: no plan may promise a number of lobes, or its bytes.
+// With a target the bake's trials decide: a plan may promise neither a number of lobes nor its bytes.
 TEST_F(SceneTest, WhatTrialsChooseIsARange) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   for (const char* target : {"0.2", "0.5", "1.9"}) {
@@ -511,15 +514,17 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     EXPECT_LT(found.cost_min.bytes, found.cost.bytes);
     EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
     expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes, to be chosen by trials"});
-    // The time that is said is without them: both places say how many there may be, and how long they take.
+    // The stated time excludes trials: both places say how many trials there may be and how long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
       expect_says(part, {"and the trials (up to 24 per map, some seconds in total)"});
-    EXPECT_GE(map.stated_difference, std::stod(target)) << "what is chosen need be no nearer than the target";
+    EXPECT_GE(map.stated_difference, std::stod(target))
+        << "the chosen settings need not have a lower error than the target";
   }
 }
 
-// What was estimated of one, two, three lobes is a list in that order, whatever their textures cost; words are beside.
+// Estimates for one, two and three lobes are listed in this order, whatever their textures cost; other text is
+// separate.
 TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   write_bytes(folder_ / "albedo.exr", read_bytes(folder_ / "wall.exr"));
@@ -535,7 +540,7 @@ TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
       EXPECT_EQ(lobes.why.find(lobes.list[i].name + ": "), std::string::npos) << lobes.why;
     }
     EXPECT_FALSE(effect(found.maps[0].effects, "planar Gaussians").list.empty());
-    // No item is broken at the end of a line.
+    // Line breaks never split an item.
     const std::string text = plan_text(scene, found, 120);
     for (const PlannedItem& item : lobes.list)
       EXPECT_NE(text.find(item.name + (item.name == "1 lobe" ? ":  " : ": ") + item.value), std::string::npos) << text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everybody who tries settings takes its part of one list: each part, in its order.
+// Tests that every search for settings uses its part of one list, in the list's order.
 #include "host/bakes/settings_search/setting_candidates.h"
 
 #include <gtest/gtest.h>
@@ -219,7 +219,8 @@ TEST(SettingCandidates, OfAPlanAreThese) {
               std::vector<std::string>{"--ndf moments"});
     EXPECT_EQ(options_of(setting_candidates(user, Representation::kSh)),
               (std::vector<std::string>{"--ndf sh --sh-order 2", "--ndf sh --sh-order 4"}));
-    EXPECT_EQ(setting_candidates(user).size(), static_cast<std::size_t>(2 * most + 3)) << "and no others";
+    EXPECT_EQ(setting_candidates(user).size(), static_cast<std::size_t>(2 * most + 3))
+        << "there are no other candidates";
   }
 }
 

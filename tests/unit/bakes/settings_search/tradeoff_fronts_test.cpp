@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fronts are of work, not of elapsed time: what else the machine did decides nothing.
+// Tests that fronts compare work and not elapsed time, so that other load on the machine does not matter.
 #include <gtest/gtest.h>
 
 #include "host/bakes/settings_search/tradeoff_sweep.h"
@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-// A measured row with an exact error.
+// Makes a measured row with an exact error.
 TradeoffRow made_row(double error, const RunTime& bake, double frame_ms, double frame_work_ms) {
   TradeoffRow row;
   row.reached.error = error;
@@ -20,13 +20,14 @@ TradeoffRow made_row(double error, const RunTime& bake, double frame_ms, double 
 }
 
 TEST(TradeoffFrontsTest, ElapsedTimeDecidesNothing) {
-  // The second has half the error for twice the work. Other programs slowed the first so that more time went by.
+  // The second row has half the error for twice the work. Other programs slowed the first, so that it took longer.
   std::vector<TradeoffRow> rows = {made_row(0.2, {1.0, 90.0, 0.0}, 500.0, 4.0),
                                    made_row(0.1, {2.0, 3.0, 0.0}, 20.0, 8.0), made_row(0.3, {2.0, 0.1, 0.0}, 0.1, 8.0)};
   mark_fronts(rows, {0.05, 0.05});
   EXPECT_TRUE(rows[0].on_time_front && rows[0].on_frame_front) << "the least work";
   EXPECT_TRUE(rows[1].on_time_front && rows[1].on_frame_front) << "the least error";
-  EXPECT_FALSE(rows[2].on_time_front || rows[2].on_frame_front) << "more error for as much work, though it was quick";
+  EXPECT_FALSE(rows[2].on_time_front || rows[2].on_frame_front)
+      << "more error for the same work, although it took less time";
 }
 
 TEST(TradeoffFrontsTest, ADevicesWorkCountsAsProcessorsWorkDoes) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measure of an export's error: its lights against plain quadrature, what it says of exact and of wrong lobes, and
-// the search for the best one.
+// Tests the measurement of an export's error: its lights against plain quadrature, its results for exact and wrong
+// lobes, and the search for the best lobe.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ CoveredFacets facets_of(const NormalMap& map, double alpha) {
   return covered_facets(planes_of(map), nullptr, alpha * alpha, 1, 1, 0, 0);
 }
 
-// D V (n . l) as the papers print it, with G2 of Smith's Lambdas.
+// Returns D V (n . l) as the papers print it, with G2 of Smith's Lambdas.
 double printed_highlight(const GgxLobe& lobe, const glm::dvec3& v, const glm::dvec3& l) {
   const glm::dvec3 b = glm::cross(lobe.normal, lobe.axis), h = glm::normalize(v + l);
   const auto local = [&](const glm::dvec3& w) {
@@ -74,7 +74,7 @@ TEST(LobeShading, IsThePrintedFormula) {
   }
 }
 
-// Sampled lights against even quadrature over the upper half of the sphere: to what the lights' noise says, four times.
+// Compares sampled lights with even quadrature over the upper hemisphere, within four times the lights' noise.
 TEST(CellReference, LightsIntegrateWhatQuadratureDoes) {
   for (const double alpha : {0.1, 0.5}) {
     const CoveredFacets facets = facets_of(random_map(4, 4, 0.8, 5), alpha);
@@ -105,11 +105,11 @@ TEST(CellReference, ExactLobesHaveNoError) {
   EXPECT_NEAR(error_of_lobe(points, exact).energy, 1.0, 1e-5);
   EXPECT_LT(error_of_lobe(wide, exact, kWideLightPoints).error, 1e-5);
   EXPECT_GT(error_of_lobe(points, wider).error, 0.4);
-  // A wide light hides what lobes differ by.
+  // A wide light hides the differences between lobes.
   EXPECT_LT(error_of_lobe(wide, wider, kWideLightPoints).error, error_of_lobe(points, wider).error);
 }
 
-// Odd sides: fractions of finest texels weigh what is covered of them.
+// With odd sides, finest texels weigh by their covered fraction.
 TEST(CellReference, CoversFractions) {
   const NormalMap map = make_map(3, 5, [](int x, int y) { return glm::normalize(glm::dvec3(0.1 * x, 0.1 * y, 1.0)); });
   const CoveredFacets facets = covered_facets(planes_of(map), nullptr, 0.04, 1, 2, 0, 1);
@@ -131,7 +131,7 @@ TEST(LobeOptimum, IsNoWorseThanItsStartAndFindsALobe) {
   EXPECT_LT(value(round), 0.8 * value(start));
   EXPECT_LE(value(any), value(round) + 0.02);
   EXPECT_EQ(round.alpha_wide, round.alpha_narrow);
-  // Where one lobe is the answer, it is found.
+  // If one lobe is the exact answer, the search finds it.
   const NormalMap one = make_map(4, 4, [](int, int) { return glm::normalize(glm::dvec3(0.2, 0.1, 1.0)); });
   const ReferenceLights of_one = point_lights(facets_of(one, 0.3), 150, 9);
   const GgxLobe off = GgxLobe::isotropic(glm::normalize(glm::dvec3(0.25, 0.05, 1.0)), 0.2);
@@ -167,9 +167,9 @@ TEST(ExportMeter, MeasuresWhatItIsShown) {
   EXPECT_EQ(base.cells.size(), 4u + 4u + 1u);
   EXPECT_EQ(base.ids[0], "export");
   for (std::size_t l = 0; l < 3; ++l) {
-    // At level 6 the mean normal is nearly straight up: the base roughness is what averaged normals have.
+    // At level 6 the mean normal is nearly upright: averaged normals have the base roughness.
     EXPECT_LT(wide.levels[l].errors[0].point.error, base.levels[l].errors[0].point.error);
-    EXPECT_EQ(wide.levels[l].errors[2].point.error, base.levels[l].errors[2].point.error);  // rules see the map alone
+    EXPECT_EQ(wide.levels[l].errors[2].point.error, base.levels[l].errors[2].point.error);  // rules read only the map
   }
   EXPECT_NEAR(base.levels[2].errors[0].point.error, base.levels[2].errors[1].point.error, 0.05);
   EXPECT_NE(base.to_text().find("Unreal"), std::string::npos);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rules of engines against numbers that were worked out from their sources, the choice of signs of axes, samples of
-// facets, and what rounding leaves.
+// Tests rules of engines against numbers derived from the engines' sources, the choice of axis signs, samples of
+// facets, and the effect of rounding.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ const EngineRule& rule_called(const std::string& id) {
   throw std::runtime_error("no rule " + id);
 }
 
-// Base roughness 0.1 and kappa 50: what each rule's own formula gives, with a calculator.
+// Base roughness 0.1 and kappa 50: the result of each rule's own formula, computed by hand.
 TEST(ExportRules, AreThoseOfTheirSources) {
   double low = 0.9, high = 0.999999;
   for (int i = 0; i < 60; ++i) (kappa_of_length(0.5 * (low + high)) < 50.0 ? low : high) = 0.5 * (low + high);
@@ -60,8 +60,8 @@ TEST(ExportRules, GrowWithTheSpreadAndEndAt1) {
   }
 }
 
-// Half of GGX's facets are within a slope of alpha, a fifth within half of it; whichever square of samples lies in one
-// finest texel has its share of them, in all directions.
+// Half of GGX's facets have slopes below alpha, and a fifth below half of alpha. Every square of samples that covers
+// one finest texel has these shares, in all directions.
 TEST(FacetSamples, AreSpreadInEverySquare) {
   for (const int grid : {8, 16, 32}) {
     const std::vector<glm::vec2> facets = facet_samples(grid);
@@ -83,7 +83,7 @@ TEST(FacetSamples, AreSpreadInEverySquare) {
   }
 }
 
-// Levels whose sides are halved exactly: every finest texel has the same number of samples.
+// The sides of levels halve exactly: every finest texel has the same number of samples.
 TEST(FacetSamples, PlacesAreEvenWhereLevelsNest) {
   for (const int level : {1, 2, 3, 5}) {
     const int grid = sample_grid(level), coarse = 4, fine = coarse << level;
@@ -97,7 +97,7 @@ TEST(FacetSamples, PlacesAreEvenWhereLevelsNest) {
   EXPECT_EQ(sample_place(0, 7, 8, 1, 3), 2);
 }
 
-// Grooves at any angle, a little crooked: every axis gets a sign on the same side.
+// Slightly crooked grooves at any angle: every axis gets a sign on the same side.
 TEST(AxisCut, LeavesBrushedMetalInOnePiece) {
   for (double degrees = 0.0; degrees < 180.0; degrees += 15.0) {
     const double angle = degrees * M_PI / 180.0;

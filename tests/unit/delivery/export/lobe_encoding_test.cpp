@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobes of a level that are encoded together keep their sum of amplitudes and their mean normal better than lobes that
-// are encoded one by one, and each of them its direction and spread.
+// Tests lobes of a level that are encoded together: they keep their sum of amplitudes and mean normal better than lobes
+// encoded one by one. Each lobe keeps its direction and spread.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,12 +15,12 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelWidth = 50, kLevelHeight = 70;  // no multiples of 4, and more rows than a band has
+constexpr int kLevelWidth = 50, kLevelHeight = 70;  // not multiples of 4, and more rows than a band
 constexpr std::size_t kLevelTexels = std::size_t{kLevelWidth} * kLevelHeight;
 
 using Lobes = std::vector<std::vector<glm::vec4>>;
 
-// A level of four lobes that look to four sides: amplitudes, directions and spreads differ from texel to texel.
+// Makes a level of four lobes that face four sides; amplitudes, directions and spreads differ from texel to texel.
 MovmfMipmap rough_level() {
   SplitMix64 random(54);
   MovmfMipmap mipmap;
@@ -43,7 +43,7 @@ MovmfMipmap rough_level() {
   return mipmap;
 }
 
-// What is stored of lobes that are encoded together.
+// Encodes lobes together and returns the stored values.
 Lobes stored(const MovmfMipmap& mipmap, const std::vector<std::size_t>& which, LobeTexels texels) {
   Device& device = testing::test_device();
   LobeEncoder encoder(texels, device);
@@ -66,8 +66,8 @@ Lobes stored(const MovmfMipmap& mipmap, const std::vector<std::size_t>& which, L
   return lobes;
 }
 
-// Root mean squares: of the sum of amplitudes; of the mean normal's direction, radians; of a lobe's vector; of a lobe's
-// mean vector as it is beside its amplitude.
+// Root mean square errors of the sum of amplitudes, the mean normal's direction (radians), a lobe's vector, and a
+// lobe's mean vector without its amplitude.
 struct JointError {
   double sum = 0.0, angle = 0.0, lobe = 0.0, shape = 0.0;
 };
@@ -104,7 +104,7 @@ TEST_P(LobeEncodingTest, KeepsWhatLobesHaveInCommon) {
   EXPECT_LT(together.sum, 0.6 * apart.sum) << apart.sum;
   EXPECT_LT(together.angle, 0.75 * apart.angle) << apart.angle;
   EXPECT_LT(together.lobe, 1.4 * apart.lobe) << apart.lobe;
-  EXPECT_LT(together.shape, 1.1 * apart.shape) << apart.shape;  // weak lobes lose no more than others
+  EXPECT_LT(together.shape, 1.1 * apart.shape) << apart.shape;  // weak lobes lose no more than strong ones
 }
 
 INSTANTIATE_TEST_SUITE_P(Texels, LobeEncodingTest, ::testing::Values(LobeTexels::kBlocks, LobeTexels::kRgba8));

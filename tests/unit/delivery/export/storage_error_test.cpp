@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What storing textures adds to a picture's error: nothing where nothing is lost, more for coarser codes, and more in
+// Tests the picture error that texture storage adds: none for lossless storage, more for coarser codes, and more in
 // smooth metal than in dull stone.
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -32,7 +32,7 @@ class StorageErrorTest : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  // Bumps whose normals are a multiple of `step` codes.
+  // Makes bumps whose normals are multiples of `step` codes.
   LevelFile bumps(const char* name, int step) const {
     return filled(name, [step](SplitMix64& random) {
       const glm::dvec3 n = glm::normalize(glm::dvec3(random.uniform() - 0.5, random.uniform() - 0.5, 1.5));
@@ -85,7 +85,7 @@ TEST_F(StorageErrorTest, GrowsWithWhatIsLost) {
 TEST_F(StorageErrorTest, SeesRoughness) {
   const LevelFile normal = bumps("normal", 1), metal = surface("metal", 0.30, 1.0), other = surface("other", 0.33, 1.0);
   EXPECT_GT(storage_error({&normal, &metal}, {&normal, &other}).error, 0.01);
-  // Without a texture the surface is the same everywhere.
+  // Without a texture the surface has the same roughness everywhere.
   const MaterialLevels plain{&normal, nullptr, 0.3, 1.0}, rougher{&normal, nullptr, 0.33, 1.0};
   EXPECT_NEAR(storage_error(plain, rougher).error, storage_error({&normal, &metal}, {&normal, &other}).error, 0.01);
   const LobeSurface mean = mean_surface({&normal, &metal});

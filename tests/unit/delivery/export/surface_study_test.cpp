@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of an export's page: textures filtered as hardware does, averages against the facets that texels cover,
-// frames of surfaces that every way to filter must draw alike, and videos.
+// Tests the pictures of an export's page: textures filtered like hardware, averages against the covered facets, and
+// videos. A surface of one normal must look alike with every filter.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,19 +28,19 @@ TEST(LevelTexture, IsFilteredAsHardwareDoes) {
   LevelTexture texture(2, 3);
   texture.levels() = {{4, 2, {0, 10, 1, 10, 2, 10, 3, 10, 0, 20, 1, 20, 2, 20, 3, 20}}, {2, 1, {5, 0, 7, 0}}};
   double values[2] = {-1.0, -1.0};
-  texture.sample(3.0, 1.5 / 4, 0.5 / 2, values);  // the middle of a texel
+  texture.sample(3.0, 1.5 / 4, 0.5 / 2, values);  // the centre of a texel
   EXPECT_NEAR(values[0], 1.0, 1e-12);
   EXPECT_NEAR(values[1], 10.0, 1e-12);
   texture.sample(3.0, 2.0 / 4, 0.5, values);  // between four
   EXPECT_NEAR(values[0], 1.5, 1e-12);
   EXPECT_NEAR(values[1], 15.0, 1e-12);
-  texture.sample(3.0, 0.0, 0.25, values);  // across the border, which repeats
+  texture.sample(3.0, 0.0, 0.25, values);  // across the border, since the texture repeats
   EXPECT_NEAR(values[0], 1.5, 1e-12);
-  texture.sample(3.5, 1.5 / 4, 0.25, values);  // half way to the next level: 1 and (5 * 0.75 + 7 * 0.25 ...)
+  texture.sample(3.5, 1.5 / 4, 0.25, values);  // halfway to the next level: 1 and (5 * 0.75 + 7 * 0.25 ...)
   EXPECT_NEAR(values[0], 0.5 * 1.0 + 0.5 * (5.0 * 0.75 + 7.0 * 0.25), 1e-12);
-  texture.sample(9.0, 0.25, 0.5, values);  // coarser than there is
+  texture.sample(9.0, 0.25, 0.5, values);  // beyond the coarsest level
   EXPECT_NEAR(values[0], 5.0, 1e-12);
-  texture.sample(0.0, -1.0 + 1.5 / 4, 3.25, values);  // finer than there is, and laps away
+  texture.sample(0.0, -1.0 + 1.5 / 4, 3.25, values);  // beyond the finest level, several repeats away
   EXPECT_NEAR(values[0], 1.0, 1e-12);
 }
 
@@ -60,7 +60,7 @@ TEST(AveragedLevels, AreTheMeansOfCoveredFacets) {
   }
 }
 
-// A tilted plane: one normal everywhere. Its averages are that normal, and no rule makes it rougher.
+// A tilted plane has one normal everywhere. All averages equal that normal, and no rule makes the surface rougher.
 TEST(SurfaceFrames, AllAreAlikeWhereThereIsOneNormal) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.2, -0.1, 1.0));
   const NormalMap map = make_map(40, 24, [&](int, int) { return normal; });
@@ -89,17 +89,17 @@ TEST(SurfaceFrames, AllAreAlikeWhereThereIsOneNormal) {
     }
     EXPECT_GT(total, 100.0);
     EXPECT_LT(off / total, 1e-4) << level;
-    EXPECT_LT(off_of_lobes / total, 0.02) << level;  // GGX over a lobe is a fit, of one normal too
+    EXPECT_LT(off_of_lobes / total, 0.02) << level;  // GGX over a lobe is a fit, even over one normal
   }
 }
 
-// Near, a pixel that is a texel: the reference is its facet. Far, it is the mean of all.
+// A near pixel is one texel, and the reference is its facet. A far pixel is the mean of all facets.
 TEST(SurfaceFrames, TheReferenceIsTheMeanOfFacets) {
   const NormalMap map = random_map(16, 16, 0.9, 8);
   const FrameView view{2.0, {192.0, 192.0}, {0.0, 0.0}};  // pixel (0, 0) begins at texel (0, 0)
   const FramePixels pixels = draw_reference(planes_of(map), nullptr, 0.01, view, 2);
   const CoveredFacets facets = covered_facets(planes_of(map), nullptr, 0.01, 4, 4, 1, 2);
-  // The light of pixel (1, 2), as the picture has it: half vectors evenly over slopes, the eye 30 degrees up.
+  // The light of pixel (1, 2) in the picture: half vectors are spread evenly over slopes, and the eye is 30 degrees up.
   const double step = 2.0 * 0.45 / kFrameSide;
   const glm::dvec3 eye(0.0, 0.5, std::sqrt(0.75));
   const glm::dvec3 half = glm::normalize(glm::dvec3(-0.45 + 1.5 * step, 0.45 - 2.5 * step, 1.0));
@@ -123,7 +123,8 @@ class FrameVideoTest : public ::testing::Test {
 };
 
 TEST_F(FrameVideoTest, IsAWebM) {
-  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg (Debian package ffmpeg)";
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "ffmpeg is not installed (Debian package ffmpeg)";
   const std::string bytes = encode_webm(frames(), std::filesystem::temp_directory_path().string());
   EXPECT_EQ(bytes.substr(0, 4), "\x1a\x45\xdf\xa3");
   EXPECT_NE(bytes.find("webm"), std::string::npos);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// KTX2 and DDS files by their bytes: the head's fields where the specifications have them, levels in their places, and
-// as they were where Zstandard packed them. tests/cli/exports/export_command_test.cpp has readers of others read them.
+// Tests the bytes of KTX2 and DDS files: header fields at their specified places, levels in order, and Zstandard frames
+// that unpack unchanged. tests/cli/exports/export_command_test.cpp reads such files with third-party readers.
 #include <gtest/gtest.h>
 
 #include <zstd.h>
@@ -39,13 +39,13 @@ struct Level {
   int columns, rows;  // of blocks
 };
 
-// Of 7 x 5 texels.
+// Makes levels of a texture of 7 x 5 texels.
 std::vector<Level> levels_of(TexelFormat format) {
   return info_of(format).block_side == 4 ? std::vector<Level>{{2, 2}, {1, 1}, {1, 1}}
                                          : std::vector<Level>{{7, 5}, {3, 2}, {1, 1}};
 }
 
-// Every byte of level l is 10 l + the row that it is in.
+// Every byte of level l is 10 l + its row.
 std::string level_bytes_of(TexelFormat format, std::size_t level) {
   const Level size = levels_of(format)[level];
   std::string bytes;
@@ -55,7 +55,7 @@ std::string level_bytes_of(TexelFormat format, std::size_t level) {
   return bytes;
 }
 
-// Rows of levels mixed, as an export has them.
+// Writes rows of different levels in turn, as an export does.
 void write_texture(TextureFile& file, TexelFormat format) {
   const std::vector<Level> levels = levels_of(format);
   for (int row = 0; row < levels[0].rows; ++row)
@@ -78,7 +78,7 @@ std::string ktx2_bytes(TexelFormat format, const Ktx2Choice& choice) {
   return bytes_of(path);
 }
 
-// 64 rows of 64 KiB: the file's buffer goes to the disk long before the last.
+// With 64 rows of 64 KiB, the file's buffer reaches the disk long before the last row.
 TEST(TextureFile, AFailedWriteEndsTheWorkAtOnce) {
   const testing::TemporaryFolder folder;
   const LeveledTexture texture = {TexelFormat::kRgba8, 16384, 64, 1};
@@ -92,12 +92,12 @@ TEST(TextureFile, AFailedWriteEndsTheWorkAtOnce) {
       for (; written < 64; ++written) file->write_rows(0, 1, row.data());
       file->finish();
     });
-    EXPECT_LT(written, 64) << "only the end noticed it";
+    EXPECT_LT(written, 64) << "the failure was noticed only at the end";
   }
   EXPECT_EQ(folder.names(), testing::Names{});
 }
 
-// Two levels' frames of what cannot be compressed: the second is not begun.
+// Two levels of incompressible data: after the first frame fails, the second is not begun.
 TEST(TextureFile, AFrameThatCannotBeWrittenEndsTheWorkAtOnce) {
   const testing::TemporaryFolder folder;
   const LeveledTexture texture = {TexelFormat::kRgba8, 2048, 1024, 2};
@@ -129,7 +129,7 @@ TEST(TextureFile, Ktx2HasItsHeadAndItsLevels) {
     EXPECT_EQ(number_at(bytes, descriptor_at, 4), descriptor);
     const std::uint64_t samples = format == TexelFormat::kBc7 ? 1 : static_cast<std::uint64_t>(info.channels);
     EXPECT_EQ(descriptor, 28u + 16u * samples);
-    // Samples follow one another, and fill the block.
+    // Samples follow one another and fill the block.
     const std::uint64_t bits = 8 * static_cast<std::uint64_t>(info.block_bytes) / samples;
     for (std::uint64_t i = 0; i < samples; ++i) {
       EXPECT_EQ(number_at(bytes, descriptor_at + 28 + 16 * i, 2), bits * i) << i;
@@ -137,7 +137,7 @@ TEST(TextureFile, Ktx2HasItsHeadAndItsLevels) {
     }
     EXPECT_EQ(number_at(bytes, 64, 8) + number_at(bytes, 72, 8), 0u);
     EXPECT_NE(bytes.find(std::string("KTXorientation\0rd\0", 18)), std::string::npos);
-    // The smallest level is nearest to the head; each begins at a multiple of its block and of 4.
+    // The smallest level comes first after the header; each begins at a multiple of its block size and of 4.
     std::uint64_t end = keys_at + keys;
     for (std::size_t level = 3; level-- > 0;) {
       const std::string expected = level_bytes_of(format, level);
@@ -180,7 +180,7 @@ TEST(TextureFile, Ktx2LevelsAreThereAgainAfterZstandard) {
     }
 }
 
-// Of more than one piece, in other portions: frames do not depend on how rows came.
+// Frames of more than one piece do not depend on how many rows arrive at once.
 TEST(TextureFile, ZstandardDoesNotDependOnRowsAtOnce) {
   const testing::TemporaryFolder folder;
   constexpr int kSide = 768;

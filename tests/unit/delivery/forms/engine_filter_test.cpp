@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Roughness of each engine where normals change, by its formula.
+// Tests each engine's formula for roughness where normals change.
 #include "host/delivery/forms/engine_filter.h"
 
 #include <gtest/gtest.h>

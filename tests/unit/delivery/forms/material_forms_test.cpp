@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forms of a material on a sphere: steep bumps ask for fitted ones, a smooth map for none, and none is worse than
-// plain.
+// Tests forms of a material on a sphere: steep bumps need fitted forms, a smooth map needs none, and no form is worse
+// than the plain one.
 #include "host/delivery/forms/material_forms.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ constexpr int kSide = 256;
 
 std::uint8_t code_of_share(double share) { return static_cast<std::uint8_t>(std::lround(255.0 * share)); }
 
-// Levels that all have `level_texel(level, x, y)`, four shares.
+// Fills all levels with `level_texel(level, x, y)`, four shares.
 void fill(LevelFile& file, const std::function<glm::dvec4(int, int, int)>& level_texel) {
   for (int level = 0; level < file.level_count(); ++level) {
     const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);
@@ -37,7 +37,8 @@ void fill(LevelFile& file, const std::function<glm::dvec4(int, int, int)>& level
   }
 }
 
-// Slopes of +-steepness from texel to texel, whose mean is flat; fitted roughness by their variance.
+// Slopes alternate between +-steepness from texel to texel, so that their mean is flat; the fitted roughness follows
+// from their variance.
 class MaterialFormsTest : public Test {
  protected:
   MaterialFormsTest()
@@ -63,7 +64,7 @@ class MaterialFormsTest : public Test {
     static const ModelPictures drawn(mesh, 2, nullptr);
     return drawn.of({{0}, [](const glm::dvec2& uv) { return glm::dvec2(uv.x, 1.0 - uv.y); }}, 60);
   }
-  // Calls `body` with a meter of what was set.
+  // Calls `body` with a meter of the current material.
   template <typename Body>
   void measure(const Body& body, Engine engine = Engine::kThree,
                const std::vector<ModelPicture>& seen = pictures()) const {
@@ -82,7 +83,7 @@ TEST_F(MaterialFormsTest, APixelIsWhereTheRayMeetsTheSphere) {
   ASSERT_GE(seen.size(), 12u);
   for (const ModelPicture& picture : seen)
     for (const ModelPixel& pixel : picture.pixels) {
-      // On the plane of a triangle near by: at the silhouette that is a little off.
+      // The point is on the plane of a nearby triangle, which differs a little from the sphere at the silhouette.
       EXPECT_NEAR(glm::length(pixel.middle.position), 1.0, 0.02);
       EXPECT_GT(glm::dot(pixel.middle.position, pixel.middle.normal), 0.998);
       EXPECT_GT(glm::dot(pixel.middle.normal, picture.eye - pixel.middle.position), 0.0);
@@ -127,7 +128,7 @@ TEST_F(MaterialFormsTest, AFitThatIsWrongIsNotTaken) {
 }
 
 TEST_F(MaterialFormsTest, AFitThatIsKeptIsWorseInNoView) {
-  set_bumps(0.25, 0.3, 1.0);  // wider than the bumps ask for
+  set_bumps(0.25, 0.3, 1.0);  // wider than the bumps require
   measure([](const FormMeter& meter) {
     const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {true, 1.0}));
     EXPECT_LT(chosen.chosen.mean, 0.95 * chosen.fitted.mean);
@@ -146,7 +147,7 @@ TEST_F(MaterialFormsTest, LevelsBeyondThePicturesAreAsTheLastThatIsSeen) {
         EXPECT_GT(form.levels[5].fitted_share, 0.0);
         for (std::size_t level = 6; level < 9; ++level) EXPECT_EQ(form.levels[level], form.levels[5]);
       },
-      Engine::kUnity, simple_views(kSide, kSide, 40));  // up to 16 texels a pixel, and half an octave
+      Engine::kUnity, simple_views(kSide, kSide, 40));  // up to 16 texels per pixel, plus half an octave
 }
 
 TEST_F(MaterialFormsTest, PicturesAreThoseOfTheEngine) {
@@ -157,10 +158,10 @@ TEST_F(MaterialFormsTest, PicturesAreThoseOfTheEngine) {
             engine);
     return error;
   };
-  // On a flat map the turn of the sphere is all that is filtered, and three.js widens highlights most.
+  // On a flat map only the sphere's curvature is filtered, and three.js widens highlights most.
   EXPECT_GT(error_for(Engine::kThree), 1.5 * error_for(Engine::kFilament));
   EXPECT_NE(error_for(Engine::kUnity), error_for(Engine::kFilament));
-  // Godot's normals have the map in them.
+  // Godot's normals include the map.
   set_bumps(0.6, 0.3, 0.3);
   EXPECT_NE(error_for(Engine::kGodot), error_for(Engine::kUnity));
 }

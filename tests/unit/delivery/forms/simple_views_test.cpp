@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of planes and spheres: as many texels as they say, with differences that samples agree with.
+// Tests pixels of planes and spheres: they cover the stated number of texels, and their differences agree with samples.
 #include "host/delivery/forms/simple_views.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST(SimpleViewsTest, PixelsAreAsLargeAsTheySay) {
     const double area = glm::length(glm::cross(pixel.along_x.position, pixel.along_y.position)) * facing;
     EXPECT_GE(std::sqrt(area), 0.7 * picture.distance);
     EXPECT_LE(std::sqrt(area), 1.5 * picture.distance);
-    // And on the map, whose columns are closer towards the poles of a sphere.
+    // The area on the map, whose columns are denser towards the poles of a sphere.
     const glm::dvec2 size(kWidth, kHeight), x = pixel.along_x.place * size, y = pixel.along_y.place * size;
     const double latitude = picture.shape == "sphere" ? std::asin(pixel.middle.normal.y) : 0.0;
     EXPECT_NEAR(std::abs(x.x * y.y - x.y * y.x) * facing * std::cos(latitude), area,

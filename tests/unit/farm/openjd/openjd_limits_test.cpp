@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each limit of Open Job Description's "Template Schemas" 2023-09 that a bundle could break: what is just within it is
-// taken, and one more is refused. tests/cli/farms holds whole bundles to the schema.
+// Tests each limit of Open Job Description's "Template Schemas" 2023-09 that a bundle could break. The largest allowed
+// value is accepted, and one more is refused. tests/cli/farms validates whole bundles against the schema.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ FarmCommand command_of(std::size_t path_count, int shards = 1) {
   return command;
 }
 
-// Why a bundle is refused; "": it is not.
+// Returns why a bundle is refused, or "".
 std::string refusal(const FarmJson& job, const FarmJson& values) {
   try {
     check_openjd_limits(job, values);
@@ -59,7 +59,7 @@ TEST(OpenJdLimits, ParametersAreFiftyWithTheProgram) {
 
 struct Edit {
   const char* name;
-  std::function<void(FarmJson& job, std::size_t more)> change;  // `more`: 0 stays within, 1 is beyond
+  std::function<void(FarmJson& job, std::size_t more)> change;  // `more`: 0 is within the limit, 1 beyond it
   const char* expected;
 };
 

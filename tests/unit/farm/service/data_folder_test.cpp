@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the daemon keeps for others: how much of it, and what goes when nobody has a use for it.
+// Tests the files that the daemon keeps for others: their total size, and the removal of files that nobody uses.
 #include "host/farm/service/dispatch/data_folder.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ class DataFolderTest : public ::testing::Test {
     data.sweep(*ledger_, hours(24), [&] { done.set_value(); });
     done.get_future().wait();
   }
-  // What is posted runs on the ledger's thread.
+  // Posted work runs on the ledger's thread.
   std::unique_ptr<QueueThread> open(const std::string& name) {
     return std::make_unique<QueueThread>(settings_in(fs::canonical(folder_.path()).string(), name),
                                          [](const std::function<void()>& task) { task(); });
@@ -59,7 +59,7 @@ class DataFolderTest : public ::testing::Test {
     make_old(path);
     return fs::canonical(path).string();
   }
-  // One with an output has published what lies there.
+  // A job with an output has published that file.
   std::int64_t job(const std::string& output, const std::string& input = "") {
     std::int64_t id = 0;
     ledger_->run_now([&](JobQueue& queue) {
@@ -102,16 +102,16 @@ TEST_F(DataFolderTest, IsHeldToItsLimit) {
   store(data, "a.png", std::string(600, 'a'));
   try {
     store(data, "b.png", std::string(401, 'b'));
-    FAIL() << "more than the limit is taken";
+    FAIL() << "an upload above the limit was accepted";
   } catch (const Refusal& refusal) {
     EXPECT_EQ(refusal.status, 507);
     testing::expect_says(refusal.message, {"600", "1000", "401"});
   }
   EXPECT_FALSE(fs::exists(data.uploads() + "/b.png"));
-  // What does not come is not counted.
+  // An upload that never arrives is not counted.
   data.begin_upload(400);
   const std::shared_ptr<UploadFile> coming = data.begin_upload(200);
-  EXPECT_THROW(data.begin_upload(201), Refusal) << "both together are too many";
+  EXPECT_THROW(data.begin_upload(201), Refusal) << "both uploads together exceed the limit";
   store(data, "c.png", std::string(200, 'c'));
   coming->write(std::string(200, 'd'));
   data.store("d.png", *coming);
@@ -147,11 +147,11 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
   for (const std::string& path : {purged, below, fs::path(folder).parent_path().string()})
     EXPECT_FALSE(fs::exists(path)) << path;
   for (const std::int64_t id : gone) EXPECT_FALSE(fs::exists(folder_ / ("d/logs/" + std::to_string(id) + ".log")));
-  // What is there under its name by now is not what that job made.
+  // The file that has this name today is not that job's file.
   made("results/purged.exr");
   sweep(data);
   EXPECT_TRUE(fs::exists(purged));
-  // The other job that has it goes too.
+  // The other job of this file is purged too.
   purge(gone.back() + 1);
   sweep(data);
   EXPECT_FALSE(fs::exists(shared));
@@ -163,7 +163,7 @@ TEST_F(DataFolderTest, AResultThatWasChangedSinceStays) {
   for (const std::string& output : {same, changed}) job(output);
   write_text_file(changed, "by somebody else");
   ledger_->run_now([](JobQueue& queue) { EXPECT_EQ(queue.purge({1, 2}).size(), 2u); });
-  // Nor is it a job's that never published anything.
+  // A job that never published anything does not own the file either.
   const std::string nobodys = made("results/nobodys.exr");
   ledger_->run_now([&](JobQueue& queue) {
     JobSubmission submission;
@@ -208,13 +208,13 @@ TEST_F(DataFolderTest, OldUploadsThatWereNotedGo) {
   EXPECT_FALSE(fs::exists(unused));
   EXPECT_FALSE(fs::exists(fs::path(unused).parent_path()));
   EXPECT_TRUE(fs::exists(young));
-  EXPECT_TRUE(fs::exists(unknown)) << "the ledger does not know whose it is";
+  EXPECT_TRUE(fs::exists(unknown)) << "the ledger does not know the owner";
   purge(id);
   sweep(data);
   EXPECT_FALSE(fs::exists(used));
 }
 
-// A link in the place of a folder of results leads nowhere that is swept.
+// A link in place of a folder of results is not followed when the folder is cleaned up.
 TEST_F(DataFolderTest, LinksAreNotFollowed) {
   DataFolder data(folder_ / "d", 1 << 20);
   const std::string result = made("results/sub/a.exr");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A client does not wait for ever: for a service that does not take its connection, does not answer, stops within its
-// answer, or falls silent while it sends events.
+// Tests that a client does not wait forever: for a service that accepts no connection, sends no answer, stops within
+// its answer, or falls silent while it sends events.
 #include "host/farm/service/http/http_client.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using boost::asio::ip::tcp;
 
 constexpr HttpPatience kImpatient = {.connecting = 300ms, .answer = 300ms, .work = 300ms};
 
-// Answers one question with this text, and keeps the line open until it is gone.
+// Answers one request with this text and keeps the connection open until it is destroyed.
 class Answering {
  public:
   explicit Answering(std::string text) : acceptor_(io_, {boost::asio::ip::address_v4::loopback(), 0}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Byte ranges as RFC 9110, section 14, has them.
+// Tests byte ranges as in RFC 9110, section 14.
 #include "host/farm/service/http/http_range.h"
 
 #include <fcntl.h>
@@ -78,7 +78,8 @@ TEST(HttpRangeTest, AFileIsSentInParts) {
   const HttpResponse beyond = answer({"bytes=10-", ""});
   EXPECT_EQ(beyond.status, 416);
   EXPECT_EQ(header_of(beyond, "Content-Range"), "bytes */10");
-  // All of it: another state of the file, a time, a weak tag, several parts, and a question after the header alone.
+  // The whole file is sent for another state of the file, a time, a weak tag, several parts, and a request for the
+  // header only.
   for (const RangeRequest& other : std::vector<RangeRequest>{{"bytes=3-5", "\"other\""},
                                                              {"bytes=3-5", "Fri, 27 Nov 2026 10:00:00 GMT"},
                                                              {"bytes=3-5", "W/" + etag},
@@ -111,7 +112,7 @@ TEST(HttpRangeTest, AnArchiveIsTheSameFromAnywhere) {
   all.made = archive();
   const std::string whole = sent(all);
   EXPECT_EQ(whole.size(), all.made->bytes());
-  EXPECT_NE(whole.find("hdrcharset=BINARY"), std::string::npos) << "a name that is no UTF-8 is said to be none";
+  EXPECT_NE(whole.find("hdrcharset=BINARY"), std::string::npos) << "the header must say that the name is not UTF-8";
   for (const std::size_t first : {1u, 100u, 512u, 700u, 1500u, 2048u, 3000u}) {
     HttpResponse rest;
     rest.made = archive();

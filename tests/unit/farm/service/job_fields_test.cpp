@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The web interface and the ledger keep their words, whatever the table of a job's fields is made of.
+// Tests that the names of fields in the web interface and the ledger stay stable if the table of a job's fields
+// changes.
 #include "host/farm/service/ledger/job_fields.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +60,7 @@ Job full_job() {
   return job;
 }
 
-// There may be more of it.
+// The job may have more fields than `expected`.
 void expect_told(const Job& job, const char* expected) {
   const Json told = Json::parse(job_text(job));
   Json known = Json::parse(expected);
@@ -117,7 +118,7 @@ TEST(JobFields, AreRefusedAsEver) {
   EXPECT_EQ(taken.deadline, 3500);
   EXPECT_EQ(taken.label, "l");
   EXPECT_EQ(taken.needs, (std::vector<std::int64_t>{2, 1}));
-  EXPECT_EQ(taken.memory_bytes, std::int64_t{2048} << 20) << "of the type, where nothing is said";
+  EXPECT_EQ(taken.memory_bytes, std::int64_t{2048} << 20) << "the type's default, since the job sets none";
   EXPECT_EQ(taken.attempt_max, 5);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What jobs of the service take of the tables of parameters.
+// Tests which parameters of the tables jobs of the service accept.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

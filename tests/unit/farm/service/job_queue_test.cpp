@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of jobs by itself: who comes first, who may say what of a job, what comes of failures, and what a process
-// that dies leaves behind.
+// Tests the ledger of jobs without a daemon: the order of jobs, who may report on a job, the results of failures, and
+// the state that a killed process leaves.
 #include "host/farm/service/ledger/job_queue.h"
 
 #include <gtest/gtest.h>
@@ -114,12 +114,12 @@ TEST_F(JobQueueTest, QueuesGoByTheirPriorityAndStopAtTheirLimits) {
   EXPECT_EQ(claim()->id, a);
   EXPECT_EQ(claim(), std::nullopt) << "one at a time";
   reopen();
-  EXPECT_EQ(claim(), std::nullopt) << "what runs is known after a restart";
+  EXPECT_EQ(claim(), std::nullopt) << "running jobs are known after a restart";
   succeed(*queue_->find(b));
   limits_.queues["night"].is_paused = true;
   EXPECT_EQ(claim(), std::nullopt);
   limits_.queues.erase("night");
-  EXPECT_EQ(claim(), std::nullopt) << "a queue that is not configured";
+  EXPECT_EQ(claim(), std::nullopt) << "the queue is not configured";
   limits_.queues["night"] = {};
   EXPECT_EQ(claim()->id, c);
 }
@@ -135,14 +135,15 @@ TEST_F(JobQueueTest, MemoryIsWaitedForAndDevicesArePassedBy) {
   limits_.device_jobs_max["gpu"] = 1;
   const std::int64_t first = sized(6, "gpu"), busy = sized(1, "gpu"), large = sized(5, ""), small = sized(1, "");
   EXPECT_EQ(claim()->id, first);
-  EXPECT_EQ(claim(), std::nullopt) << "the small one may not overtake the large one, which the device's may be";
+  EXPECT_EQ(claim(), std::nullopt)
+      << "the small job may overtake the job that waits for the device, but not the large job";
   succeed(*queue_->find(first));
   EXPECT_EQ(claim()->id, busy);
   EXPECT_EQ(claim()->id, large);
   EXPECT_EQ(claim()->id, small);
   for (const std::int64_t id : {busy, large, small}) succeed(*queue_->find(id));
   const std::int64_t huge = sized(100, "");
-  EXPECT_EQ(claim()->id, huge) << "alone, or it never would";
+  EXPECT_EQ(claim()->id, huge) << "it runs without other jobs, since it would never fit next to them";
 }
 
 TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
@@ -155,7 +156,7 @@ TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
   now_ = *queue_->find(id)->not_before;
   const Job second = *claim("a");
   EXPECT_EQ(second.attempt, 2);
-  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2")) << "the first attempt wakes up again";
+  EXPECT_FALSE(queue_->begin_publishing(id, "a", first.attempt, "1:2")) << "the first attempt reports late";
   EXPECT_FALSE(fail(first));
   EXPECT_TRUE(queue_->begin_publishing(id, "a", 2, "1:2"));
   EXPECT_FALSE(queue_->begin_publishing(id, "a", 2, "1:2")) << "once";
@@ -185,7 +186,7 @@ TEST_F(JobQueueTest, FailuresBackOffAndThenDie) {
   EXPECT_EQ(state(id), JobState::kDead);
   EXPECT_EQ(queue_->next_due(), std::nullopt);
   EXPECT_TRUE(retry(id));
-  EXPECT_EQ(claim()->attempt, 4) << "attempts are numbered on, or an old worker could be taken for a new one";
+  EXPECT_EQ(claim()->attempt, 4) << "attempt numbers continue, so that an old worker cannot be mistaken for a new one";
 }
 
 TEST_F(JobQueueTest, WhatWasRefusedIsNotTriedAgainAndWhatWasHandedBackDoesNotCount) {
@@ -212,7 +213,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   testing::expect_says(queue_->find(after)->message, {"job 3", "dead"});
   expect_error(ErrorCode::kUsage, {"job 2", "dead"}, [&] { submit(of(0, {a, b})); });
   expect_error(ErrorCode::kUsage, {"job 99", "exist"}, [&] { submit(of(0, {99})); });
-  // Those that died because of it come back with it, and wait.
+  // Jobs that died because of this job return with it and wait.
   EXPECT_TRUE(retry(b));
   EXPECT_EQ(state(both), JobState::kWaiting);
   EXPECT_EQ(state(after), JobState::kWaiting);
@@ -221,7 +222,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   EXPECT_EQ(state(after), JobState::kWaiting);
 }
 
-// None may wait for a job that nobody tries again.
+// No job may wait for a job that is never retried.
 TEST_F(JobQueueTest, ARetryReachesTheRoots) {
   const std::int64_t root = submit(of(0)), other = submit(of(0)), middle = submit(of(0, {root})),
                      leaf = submit(of(0, {middle})), both = submit(of(0, {root, other}));
@@ -231,7 +232,7 @@ TEST_F(JobQueueTest, ARetryReachesTheRoots) {
   EXPECT_EQ(state(root), JobState::kQueued);
   EXPECT_EQ(state(middle), JobState::kWaiting);
   EXPECT_EQ(state(leaf), JobState::kWaiting);
-  EXPECT_EQ(state(both), JobState::kDead) << "it lacks the cancelled one too";
+  EXPECT_EQ(state(both), JobState::kDead) << "it needs the cancelled job too";
   EXPECT_EQ(queue_->retry(other, now_).queued, (Ids{other, both}));
   for (int i = 0; i < 5; ++i) succeed(*claim());
   EXPECT_EQ(queue_->counts()["default"][JobState::kSucceeded], 5);
@@ -280,7 +281,8 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
 }
 
-// Asked for between an attempt's end and the news of it, or before a daemon's sudden end: the job runs no more.
+// The cancel request comes between an attempt's end and its report, or before the daemon is killed: the job does not
+// run again.
 TEST_F(JobQueueTest, ACancelOutlivesTheAttemptThatItWasMeantFor) {
   const std::int64_t id = submit(of(0)), dependent = submit(of(0, {id}));
   const Job failing = *claim();
@@ -314,7 +316,7 @@ TEST_F(JobQueueTest, DeadlinesPass) {
   EXPECT_EQ(overdue.running, Ids{running});
   fail(job, AttemptOutcome::kCancelled);
   EXPECT_TRUE(retry(running));
-  EXPECT_EQ(queue_->find(running)->deadline, std::nullopt) << "who asks for it again no longer means the deadline";
+  EXPECT_EQ(queue_->find(running)->deadline, std::nullopt) << "submitting the job again removes its deadline";
 }
 
 TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
@@ -328,7 +330,7 @@ TEST_F(JobQueueTest, TheSameKeyAndOutputIsTheSameJob) {
   EXPECT_EQ(queue_->succeeded_with_key("k").size(), 1u);
   const SubmitResult gone = queue_->submit(
       submission, [](const Job&) { return false; }, now_);
-  EXPECT_TRUE(gone.is_new) << "its result was deleted or changed since";
+  EXPECT_TRUE(gone.is_new) << "its result was deleted or changed";
   submission.output = "/b";
   EXPECT_NE(submit(submission), id);
   EXPECT_TRUE(queue_->succeeded_with_key("").empty());
@@ -348,7 +350,7 @@ TEST_F(JobQueueTest, AResultOfOtherInputsIsNotTakenForItsKey) {
   EXPECT_NE(submit(submission), id);
 }
 
-// The clock of a machine may be set back by any amount, by hand or by its radio clock.
+// A machine's clock may be set back by any amount, by hand or by its radio clock.
 TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
   submit(of(0));
   fail(*claim());
@@ -357,7 +359,7 @@ TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
   EXPECT_EQ(job.id, running);
   now_ -= 900000;
   queue_->forgive_back_offs(now_);
-  EXPECT_EQ(claim("b")->attempt, 2) << "its back-off would have lasted for another fifteen minutes";
+  EXPECT_EQ(claim("b")->attempt, 2) << "its back-off would otherwise last fifteen more minutes";
   succeed(job);
   EXPECT_LT(*queue_->find(running)->finished, *queue_->find(running)->started);
   EXPECT_TRUE(queue_->purge_finished_before(now_, 10).empty());
@@ -367,7 +369,7 @@ TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
 }
 
 TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
-  SqliteTransaction transaction(queue_->database());  // or each would wait for the disk
+  SqliteTransaction transaction(queue_->database());  // otherwise each job would wait for the disk
   Ids chain = {submit(of(0))};
   for (int i = 0; i < 20000; ++i) chain.push_back(submit(of(0, {chain.back()})));
   fail(*claim(), AttemptOutcome::kRefused);
@@ -402,9 +404,9 @@ TEST_F(JobQueueTest, ListsAreOfTheirFilter) {
         }
 }
 
-// A page asks for the dead ones each second.
+// A page asks for the dead jobs every second.
 TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
-  SqliteTransaction transaction(queue_->database());  // or each would wait for the disk
+  SqliteTransaction transaction(queue_->database());  // otherwise each job would wait for the disk
   for (int i = 0; i < 5000; ++i) submit(of(i == 0 ? 1 : 0));
   fail(*claim(), AttemptOutcome::kRefused);
   const auto seconds = [&](const JobFilter& filter, std::size_t expected) {
@@ -421,7 +423,7 @@ TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
   EXPECT_LT(seconds({JobState::kDead, "default", std::nullopt, 50}, 1), 3.0 * newest);
 }
 
-// As version 3 left it.
+// Changes a ledger to the state that version 3 left.
 const char* const kBackToVersion3 =
     "DROP TABLE slurm_parts; DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; ALTER TABLE needs RENAME TO "
     "n; DROP INDEX needs_of; "
@@ -439,7 +441,7 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
       "ALTER TABLE jobs DROP COLUMN inputs; ALTER TABLE jobs DROP COLUMN stop_asked; PRAGMA user_version = 1;");
   reopen();
   EXPECT_EQ(queue_->find(id)->priority, 3);
-  EXPECT_EQ(queue_->find(id)->key, "") << "nobody knows whether its inputs are what they were";
+  EXPECT_EQ(queue_->find(id)->key, "") << "nothing proves that its inputs are unchanged";
   EXPECT_EQ(queue_->find(after)->needs, Ids{id});
   const Job job = *claim();
   EXPECT_EQ(job.id, id);
@@ -447,7 +449,7 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
   EXPECT_EQ(state(after), JobState::kQueued);
 }
 
-// Its column is there from the next start on.
+// The next start adds the column.
 TEST_F(JobQueueTest, ALedgerFromBeforeAFieldGetsIt) {
   const std::int64_t id = submit(of(3));
   queue_->database().execute("ALTER TABLE jobs DROP COLUMN stop_asked; ALTER TABLE jobs DROP COLUMN reused_from;");
@@ -460,7 +462,7 @@ TEST_F(JobQueueTest, ALedgerFromBeforeAFieldGetsIt) {
   EXPECT_EQ(queue_->find(id)->stop_asked, "enough");
 }
 
-// Version 3 could leave a job waiting for a dead one.
+// Version 3 could leave a job that waits for a dead one.
 TEST_F(JobQueueTest, WhoWaitsForeverInAnEarlierLedgerDies) {
   const std::int64_t dead = submit(of(0)), waiting = submit(of(0, {dead})), last = submit(of(0, {waiting})),
                      met = submit(of(0)), ready = submit(of(0, {met}));
@@ -495,12 +497,12 @@ TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {
 TEST_F(JobQueueTest, PurgesOnlyWhatNothingNeeds) {
   const std::int64_t a = submit(of(0)), b = submit(of(0, {a})), c = submit(of(-1));
   succeed(*claim());
-  EXPECT_EQ(queue_->purge({a, b, c, 99}), Ids{}) << "b needs it, and the others are not finished";
+  EXPECT_EQ(queue_->purge({a, b, c, 99}), Ids{}) << "b needs a, and the other jobs are not finished";
   succeed(*claim());
   EXPECT_EQ(queue_->purge_finished_before(now_, 10), Ids{}) << "not before";
   EXPECT_EQ(queue_->purge_finished_before(now_ + 1, 1), Ids{a});
-  EXPECT_EQ(queue_->find(b)->needs, Ids{a}) << "it is known what it needed";
-  EXPECT_GT(submit(of(0)), c) << "numbers are not used again";
+  EXPECT_EQ(queue_->find(b)->needs, Ids{a}) << "b still lists the job that it needed";
+  EXPECT_GT(submit(of(0)), c) << "numbers of purged jobs are not reused";
 }
 
 TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
@@ -524,15 +526,15 @@ TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
   ASSERT_EQ(noted.size(), 2u);
   EXPECT_EQ(noted[0].output, "/data/results/sub/a.exr");
   EXPECT_EQ(noted[0].identity, "7:8");
-  EXPECT_EQ(noted[1].output, "") << "results elsewhere are never removed";
+  EXPECT_EQ(noted[1].output, "") << "results outside the data folder are never removed";
   EXPECT_EQ(queue_->files().left_overs(inside, 10).size(), 1u);
   queue_->files().forget_left_over(inside);
   EXPECT_EQ(queue_->files().left_overs(0, 10).size(), 1u);
   EXPECT_TRUE(queue_->was_purged(inside));
-  EXPECT_FALSE(queue_->was_purged(77)) << "it never was there";
+  EXPECT_FALSE(queue_->was_purged(77)) << "this job never existed";
 }
 
-// The oldest of those that may not go yet must not keep the others.
+// The oldest job that must stay must not keep other jobs from being purged.
 TEST_F(JobQueueTest, WhatIsNeededStillKeepsNothingElseFromBeingPurged) {
   const std::int64_t needed = submit(of(0)), needing = submit(of(-1, {needed}));
   succeed(*claim());
@@ -558,7 +560,7 @@ TEST_F(JobQueueTest, NumbersGoOnAboveWhatOthersHaveUsed) {
   EXPECT_FALSE(queue_->was_purged(300));
 }
 
-// Asked for again while its worker is being stopped: that job is about to be cancelled.
+// The job is submitted again while its worker is being stopped: the running job is about to be cancelled.
 TEST_F(JobQueueTest, AJobThatIsBeingCancelledIsNotTakenForANewOne) {
   JobSubmission submission = of(0);
   submission.key = "k";
@@ -579,7 +581,7 @@ TEST_F(JobQueueTest, SmallJobsOfOtherQueuesDoNotStarveALargeOne) {
   limits_.memory_max = 10;
   const std::int64_t running = sized(4, "default"), large = sized(8, "night"), small = sized(4, "default");
   EXPECT_EQ(claim()->id, running);
-  EXPECT_EQ(claim(), std::nullopt) << "the large one comes first, and is waited for";
+  EXPECT_EQ(claim(), std::nullopt) << "the large job comes first, and the small one waits for it";
   succeed(*queue_->find(running));
   EXPECT_EQ(claim()->id, large);
   succeed(*queue_->find(large));
@@ -597,7 +599,7 @@ TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
   owned.instance = "0000bbbb";
   expect_error(ErrorCode::kEnvironment, {owned.path, "0000aaaa", "0000bbbb", "--new-ledger"}, [&] { JobQueue{owned}; });
   owned.may_begin = true;
-  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa") << "of a folder that has no name yet";
+  EXPECT_EQ(JobQueue(owned).instance(), "0000aaaa") << "the folder had no instance name yet";
   LedgerSettings empty = settings("empty.sqlite");
   empty.may_begin = false;
   expect_error(ErrorCode::kEnvironment, {empty.path, "empty"}, [&] { JobQueue{empty}; });
@@ -609,7 +611,7 @@ TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
                [&] { JobQueue{settings("other.sqlite")}; });
 }
 
-// Random commands; after each, what must hold holds, and what is kept beside the database is what is in it.
+// Runs random commands. After each, the invariants hold, and the state in memory equals the database.
 TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
   const unsigned seed = 20261122;
   SCOPED_TRACE(seed);
@@ -641,7 +643,7 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
         if (!leases.empty()) {
           const std::size_t at = random() % leases.size();
           const Job job = leases[at];
-          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // the others speak twice
+          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // else it ends twice
           const AttemptResult result = {static_cast<AttemptOutcome>(1 + pick(6)), pick(5), ""};
           const bool is_taken = queue_->ended(job.id, job.owner, job.attempt, result, now_);
           if (is_taken && result.outcome == AttemptOutcome::kSucceeded) {

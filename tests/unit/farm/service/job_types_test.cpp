@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The types of jobs that multum registers: what their rows have jobs take and refuse.
+// Tests the types of jobs that multum registers: what their rows let jobs accept and refuse.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,10 +16,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-// For all tests of this program.
+// Registered once for all tests of this program.
 [[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);
 
-// A measured BRDF is a file, and a text may not lead to files that jobs may not read.
+// A measured BRDF is a file, and a text must not lead to files that jobs may not read.
 TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
   const JobType& bake = find_job_type("bake");
   const auto parameters = [](const char* brdf) { return Json{{"input", "a.png"}, {"brdf", brdf}}; };
@@ -47,7 +47,7 @@ std::string input_refusal(const JobType& type, const std::string& input) {
   return "";
 }
 
-// Commands take scenes and sets too, whose files the service would not have looked at.
+// Commands accept scenes and sets too, whose files the service would not have checked.
 TEST(JobTypes, ThoseOfOneMapTakeNothingElse) {
   for (const char* name : {"bake", "export"}) {
     const JobType& type = find_job_type(name);
@@ -70,14 +70,15 @@ TEST(JobTypes, HashTheFilesThatTheirInputNames) {
   EXPECT_EQ(input_files(find_job_type("bake"), {{"input", job}}), std::vector<std::string>{job});
 }
 
-// No two views of a type may make a file of one name, or share a folder.
+// No two views of a type may write a file of the same name or share a folder.
 TEST(JobTypes, ViewsAreTold) {
   std::set<std::string> names;
   for (const JobType& type : job_types()) {
     std::set<std::string> files, endings;
     for (const JobView& view : type.views) {
       EXPECT_TRUE(endings.insert(view.folder_ending).second) << type.name;
-      EXPECT_TRUE(view.kept_max == 0 || !view.folder_ending.empty()) << "others of the type would go with them";
+      EXPECT_TRUE(view.kept_max == 0 || !view.folder_ending.empty())
+          << "other views of the type would be removed with them";
       for (const std::string& file : view.files) {
         EXPECT_TRUE(files.insert(file).second) << type.name << " " << file;
         EXPECT_EQ(type.find_view(file), &view);
@@ -87,7 +88,7 @@ TEST(JobTypes, ViewsAreTold) {
     EXPECT_EQ(type.views.empty(), type.no_other_view.empty()) << type.name;
     names.insert(files.begin(), files.end());
   }
-  // All that the web interface has routes for (docs/reference/openapi.json).
+  // The names of all routes of the web interface (docs/reference/openapi.json).
   EXPECT_EQ(names, (std::set<std::string>{"error.png", "input.png", "look.html", "player.html", "render.png"}));
 }
 

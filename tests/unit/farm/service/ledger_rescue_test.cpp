@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ledgers damaged in random pages: what is saved is what was there, in a ledger that is whole.
+// Tests ledgers damaged in random pages: rescued jobs equal the original ones, and the new ledger is intact.
 #include "host/farm/service/ledger/ledger_rescue.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using testing::TemporaryFolder;
 constexpr std::size_t kPageBytes = 4096;
 constexpr int kJobs = 3000;
 
-// Jobs in all states, as a folder that a daemon has used.
+// Makes jobs in all states, as in a folder that a daemon has used.
 std::map<std::int64_t, Job> make_ledger(const std::string& data, int job_count = kJobs) {
   fs::create_directory(data);
   QueueThread ledger(find_ledger(data, {}, false), [](const std::function<void()>& task) { task(); });
@@ -58,15 +58,15 @@ void damage(const std::string& path, const std::vector<std::size_t>& pages, std:
   testing::write_bytes(path, bytes);
 }
 
-// What is there by now, as a daemon would go on with it.
+// Opens the rescued ledger as a daemon would and returns its jobs.
 std::map<std::int64_t, Job> open_rescued(const std::string& data, int job_count = kJobs) {
   JobQueue queue(find_ledger(data, {}, false));
   EXPECT_EQ(queue.database().damage(), "");
   std::map<std::int64_t, Job> jobs;
   for (std::int64_t id = 1; id <= job_count; ++id)
     if (const std::optional<Job> job = queue.find(id)) jobs[id] = *job;
-  const SqliteTransaction transaction(queue.database());  // or each row would wait for the disk
-  EXPECT_GT(queue.submit({}, nullptr, 4).id, job_count) << "a number was used again";
+  const SqliteTransaction transaction(queue.database());  // otherwise each row would wait for the disk
+  EXPECT_GT(queue.submit({}, nullptr, 4).id, job_count) << "a job number was reused";
   queue.recover(5);
   for (const auto& [queue_name, states] : queue.counts()) EXPECT_FALSE(states.contains(JobState::kRunning));
   return jobs;
@@ -92,7 +92,7 @@ TEST(LedgerRescue, SavesAllOfAWholeOne) {
   const std::map<std::int64_t, Job> before = make_ledger(data);
   const std::string bytes = testing::read_bytes(data + "/jobs.sqlite");
   const RescueReport report = rescue_ledger(data);
-  EXPECT_EQ(testing::read_bytes(report.kept), bytes) << "the old one is kept as it was";
+  EXPECT_EQ(testing::read_bytes(report.kept), bytes) << "the damaged ledger is kept unchanged";
   for (const RescueReport::Table& table : report.tables) EXPECT_EQ(table.damaged, 0) << table.name;
   EXPECT_EQ(report.tables.front().saved, kJobs);
   const std::map<std::int64_t, Job> after = open_rescued(data);
@@ -101,7 +101,7 @@ TEST(LedgerRescue, SavesAllOfAWholeOne) {
     EXPECT_EQ(after.at(id).state, job.state);
     EXPECT_EQ(after.at(id).needs, job.needs);
   }
-  // Nothing is written over, however often.
+  // A repeated rescue overwrites nothing.
   EXPECT_NE(rescue_ledger(data).kept, report.kept);
   EXPECT_EQ(testing::read_bytes(report.kept), bytes);
 }
@@ -128,7 +128,7 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
   for (int i = 0; i < kTries; ++i) {
     const std::string data = folder / std::to_string(i);
     fs::copy(folder / "whole", data, fs::copy_options::recursive);
-    std::vector<std::size_t> pages = {i < 2 ? 0 : random() % page_count};  // the first: the list of the tables
+    std::vector<std::size_t> pages = {i < 2 ? 0 : random() % page_count};  // the first page lists the tables
     if (i % 2 == 0) pages.push_back(random() % page_count);
     damage(data + "/jobs.sqlite", pages, random);
     SCOPED_TRACE(pages.front());
@@ -142,7 +142,8 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
     if (::testing::Test::HasFailure()) return;
   }
   RecordProperty("least_saved", static_cast<int>(least));
-  // A page holds some 20 jobs. The one above all pages of jobs would cost all: one in hundreds, and none for this seed.
+  // A page holds some 20 jobs. The root page of all jobs would lose everything; it is one in hundreds, and this seed
+  // avoids it.
   EXPECT_GT(sum, before.size() * kTries * 9 / 10);
 }
 
@@ -152,7 +153,7 @@ void expect_nothing_left(const std::string& data) {
       EXPECT_FALSE(fs::exists(data + "/jobs.sqlite" + made + part)) << made << part;
 }
 
-// One of many ways in which files are damaged: by bytes, bits, pages and ends.
+// Damages a file in one of many ways: bytes, bits, pages, or a cut end.
 std::string damaged(std::string bytes, std::mt19937& random) {
   const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random() % end); };
   const std::size_t pages = bytes.size() / kPageBytes, page = below(pages) * kPageBytes,
@@ -174,7 +175,7 @@ std::string damaged(std::string bytes, std::mt19937& random) {
       break;
     case 4: bytes.resize(1 + below(bytes.size())); break;
     case 5:
-      for (std::size_t i = 0; i < 100; ++i) bytes[below(120)] = static_cast<char>(random());  // the header of all
+      for (std::size_t i = 0; i < 100; ++i) bytes[below(120)] = static_cast<char>(random());  // the file's header
       break;
     default:
       for (std::size_t i = 0; i < 30; ++i) bytes[page + below(16)] = static_cast<char>(random());  // of a page
@@ -213,7 +214,7 @@ TEST(LedgerRescue, AnyDamageIsRescuedOrRefusedClearly) {
   EXPECT_GT(rescued, kSeeds * 3 / 4);
 }
 
-// Values that no ledger takes, or that a function of SQLite ends with an error for: one row each.
+// Values that no ledger accepts, or for which a function of SQLite fails: each costs only its row.
 TEST(LedgerRescue, OneBadRowCostsThatRow) {
   for (const char* damage :
        {"UPDATE jobs SET parameters = x'7b00ff7d' WHERE id = 5", "UPDATE jobs SET state = 99 WHERE id = 5",
@@ -242,13 +243,13 @@ TEST(LedgerRescue, AnEmptyLedgerLeavesNothingBehind) {
     SqliteDatabase ledger(folder / "d/jobs.sqlite");
     ledger.execute("DELETE FROM jobs; DELETE FROM uploads");
   }
-  // Of no jobs, and whole.
+  // An intact ledger without jobs.
   const RescueReport report = rescue_ledger(folder / "d");
   EXPECT_EQ(report.tables.front().saved, 0);
   EXPECT_EQ(report.tables.front().damaged, 0);
   expect_nothing_left(folder / "d");
   EXPECT_TRUE(open_rescued(folder / "d", 1).empty());
-  // Of no bytes, and of no tables.
+  // An empty file, and a database without tables.
   testing::write_bytes(folder / "d/jobs.sqlite", "");
   expect_error(ErrorCode::kInput, {folder / "d/jobs.sqlite", "empty", "--new-ledger"},
                [&] { rescue_ledger(folder / "d"); });

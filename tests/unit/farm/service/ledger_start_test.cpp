@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which ledger a daemon goes on with: a folder that was used before has its own or none.
+// Tests which ledger a daemon continues with: a used folder has its own ledger or none.
 #include "host/farm/service/ledger/ledger_start.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using testing::TemporaryFolder;
 
 class LedgerStartTest : public ::testing::Test {
  protected:
-  // A daemon's start, and a job; returns its number.
+  // Starts a daemon, adds a job and returns its number.
   std::int64_t start(bool begins_anew = false) {
     const LedgerSettings settings = find_ledger(folder_.path(), {}, begins_anew);
     const DataFolder folders(folder_.path(), 0);  // makes logs, uploads and results
@@ -45,7 +45,7 @@ TEST_F(LedgerStartTest, GoesOnWithItsOwn) {
   EXPECT_EQ(testing::read_bytes(folder_ / "instance"), first + "\n");
   EXPECT_EQ(start(), 2);
   EXPECT_EQ(instance_, first);
-  // A start that was cut off, or a file that was deleted: the ledger knows.
+  // The start was interrupted, or the file was deleted: the ledger still knows its instance.
   fs::remove(folder_ / "instance");
   EXPECT_EQ(start(), 3);
   EXPECT_EQ(instance_, first);
@@ -61,7 +61,7 @@ TEST_F(LedgerStartTest, AMissingEmptyOrForeignLedgerIsRefused) {
   start();
   fs::rename(path(), folder_ / "kept");
   expect_error(ErrorCode::kEnvironment, {path(), "missing", "multum rescue", "--new-ledger"}, [&] { start(); });
-  EXPECT_FALSE(fs::exists(path())) << "and it is not begun by the way";
+  EXPECT_FALSE(fs::exists(path())) << "the refusal must not create a ledger";
   testing::write_bytes(path(), "");
   expect_error(ErrorCode::kEnvironment, {path(), "empty", "--new-ledger"}, [&] { start(); });
   { SqliteDatabase without_tables(path()); }
@@ -85,7 +85,7 @@ TEST_F(LedgerStartTest, ANewOneForgetsNothingThatIsThere) {
   fs::rename(path(), folder_ / "kept");
   expect_error(ErrorCode::kUsage, {path() + "-wal", "--new-ledger"}, [&] { start(true); });
   fs::remove(path() + "-wal");
-  EXPECT_EQ(start(true), 257) << "a number that was told may be of a job that left nothing but its number";
+  EXPECT_EQ(start(true), 257) << "a reported number may belong to a job that left no other trace";
   EXPECT_EQ(start(), 258);
 }
 
@@ -107,7 +107,7 @@ TEST_F(LedgerStartTest, AnOldCopyGivesNoNumberTwice) {
   EXPECT_EQ(start(), 769);
 }
 
-// Or a new job would show an old one's log.
+// Otherwise a new job would show an old job's log.
 TEST_F(LedgerStartTest, NumbersGoOnAboveAllThatLiesThere) {
   start();
   const std::string before = instance_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/reference/openapi.json says what the service has: every route, every parameter of every type of job. That
-// answers are as it says is tested where they are asked for (tests/service).
+// Tests that docs/reference/openapi.json lists every route of the service and every parameter of every type of job. The
+// tests in tests/service compare answers with it.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -45,10 +45,10 @@ TEST(Openapi, HasTheParametersOfEveryType) {
     EXPECT_EQ(schemas.at(name), parameters_schema(type)) << "expected " << name << ": " << parameters_schema(type);
   }
   EXPECT_EQ(schemas.at("Submission").at("properties").at("type").at("enum"), Json(names));
-  EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "which schema the parameters have, by type";
+  EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "one schema of parameters per type";
 }
 
-// Of labels, queues' names and texts: a terminal obeys C1, U+0080 to U+009F, as it does ESC.
+// Tests labels, names of queues and texts: terminals obey C1 characters, U+0080 to U+009F, as they obey ESC.
 TEST(Openapi, TextsHoldNoControlCharacters) {
   for (unsigned code = 0; code < 0x120; ++code) {
     std::string text = "a";

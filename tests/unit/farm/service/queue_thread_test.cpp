@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ledger that is taken away while it is in use: nothing is promised that the file at its path does not have.
+// Tests a ledger that is removed while in use: nothing is promised that the file at its path does not hold.
 #include "host/farm/service/ledger/queue_thread.h"
 
 #include <gtest/gtest.h>
@@ -53,14 +53,14 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
   EXPECT_TRUE(ledger.is_lost());
   int found = 0;
   ledger.run_now([&](JobQueue& queue) { found = queue.find(1) ? 1 : 0; });
-  EXPECT_EQ(found, 1) << "looking goes on";
+  EXPECT_EQ(found, 1) << "reading still works";
   expect_error(ErrorCode::kEnvironment, {"lost"},
                [&] { ledger.run_now([](JobQueue& queue) { queue.cancel(1, "by a test", 2); }); });
   expect_error(ErrorCode::kEnvironment, {"lost"}, [&] { ledger.run_now([](JobQueue& queue) { queue.check_kept(); }); });
 }
 
-// A limit of file sizes, as a full disk: what finds no room is refused as that, nothing of it is kept, and the log is
-// emptied, so that the next finds room as long as the ledger itself has some.
+// A limit of file sizes acts like a full disk: work that does not fit is refused with that reason, and none of it is
+// kept. The log is emptied, so that the next work fits as long as the ledger itself has space.
 TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite";
@@ -89,7 +89,7 @@ TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
     }
     int found = 0;
     ledger.run_now([&](JobQueue& queue) { found = static_cast<int>(queue.list({}).size()); });
-    EXPECT_EQ(found, static_cast<int>(kept.size())) << "looking goes on, and what was refused is not there";
+    EXPECT_EQ(found, static_cast<int>(kept.size())) << "reading still works, and refused jobs are absent";
   }
   EXPECT_GT(refused, 0);
   EXPECT_GT(after_refusal, 0) << "the log was never emptied";
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
         Loss{"folder_removed", [](const std::string& folder) { fs::remove_all(folder + "/data"); }}),
     [](const auto& one) { return std::string(one.param.name); });
 
-// What was promised before is in the file that is left.
+// Work promised earlier is in the file that is left.
 TEST(QueueThread, ALogThatIsRemovedTakesNothingWithIt) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite";
@@ -139,7 +139,7 @@ TEST(QueueThread, ALogThatIsRemovedTakesNothingWithIt) {
   EXPECT_EQ(queue.database().damage(), "");
 }
 
-// In the middle of a batch: what was done of it is not committed.
+// The file disappears in the middle of a batch: the finished part of the batch is not committed.
 TEST(QueueThread, ALossBetweenWorkAndCommitIsNoticed) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite", kept = folder / "kept";

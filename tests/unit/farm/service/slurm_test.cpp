@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is sent to Slurm in which batches, what is read of Slurm's lists, and what the ledger keeps of it. A real Slurm
-// is in tests/service/slurm_test.py.
+// Tests the batches sent to Slurm, the parsing of Slurm's lists, and what the ledger keeps of both.
+// tests/service/slurm_test.py runs a real Slurm.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -22,7 +22,7 @@ using Chunks = std::vector<std::vector<std::size_t>>;
 TEST(SlurmChunks, SmallJobsShareTasksAndOthersHaveTheirOwn) {
   EXPECT_EQ(make_chunks({}, 30.0), Chunks{});
   EXPECT_EQ(make_chunks({10.0, 10.0, 10.0, 10.0}, 30.0), (Chunks{{0, 1, 2}, {3}}));
-  // One that is not known, and a large one, do not end the chunk that is open.
+  // A job of unknown length, and a long job, do not end the open chunk.
   EXPECT_EQ(make_chunks({10.0, -1.0, 40.0, 10.0}, 30.0), (Chunks{{0, 3}, {1}, {2}}));
   EXPECT_EQ(make_chunks({0.0, 0.0}, 0.0), (Chunks{{0}, {1}}));
   const Chunks many = make_chunks(std::vector<double>(kChunkJobsMax + 1, 0.0), 30.0);
@@ -99,12 +99,12 @@ TEST(SlurmShares, ArraysStayBelowMaxArraySize) {
     return share_batches({}, count, missing, array_size_max);
   };
   EXPECT_EQ(items_of(batches(3, {0, 1, 2, 3}, 4)), (Items{{0}, {1, 2, 3}, {0}}))
-      << "their own numbers, as far as they fit";
+      << "items keep their own numbers if these fit";
   EXPECT_EQ(names_of(batches(3, {0, 1, 2, 3}, 3)), (Names{{"0/3"}, {"1/3", "2/3", "3/3"}, {"merge 3"}}));
   EXPECT_EQ(items_of(batches(3, {0, 1, 2, 3}, 3)), (Items{{0}, {0, 1, 2}, {0}}));
   EXPECT_EQ(names_of(batches(5, {1, 2, 3, 4, 5}, 2)), (Names{{"1/5", "2/5"}, {"3/5", "4/5"}, {"5/5"}, {"merge 5"}}));
   EXPECT_EQ(items_of(batches(5, {1, 2, 3, 4, 5}, 2)), (Items{{0, 1}, {0, 1}, {0}, {0}}));
-  EXPECT_EQ(items_of(batches(200, {150}, 5)), (Items{{0}, {0}})) << "one alone, whose own number is too high";
+  EXPECT_EQ(items_of(batches(200, {150}, 5)), (Items{{0}, {0}})) << "a single item whose own number is too high gets 0";
   EXPECT_EQ(items_of(batches(3, {1, 2, 3}, 1)), (Items{{0}, {0}, {0}, {0}}));
 }
 
@@ -144,7 +144,7 @@ TEST(Sbatch, SaysWhetherItMayTakeIt) {
   EXPECT_EQ(failed("Invalid job array specification"), SlurmRefusal::kArrayTooLong);
   EXPECT_EQ(failed("Job violates accounting/QOS policy (job submit limit, user's size and/or time limits)"),
             SlurmRefusal::kUnknown)
-      << "others' jobs may end, or it may be too large for ever";
+      << "other jobs may end, or the job may always be too large";
   EXPECT_EQ(failed("a text of another version"), SlurmRefusal::kUnknown);
 }
 
@@ -309,7 +309,7 @@ TEST_F(SlurmLedgerTest, WhatSlurmHasOutlivesTheDaemon) {
   ASSERT_EQ(queue_->slurm().sent().size(), 1u);
   EXPECT_EQ(queue_->slurm().sent()[0].slurm_job, 12);
   EXPECT_EQ(queue_->slurm().last_batch(), 40);
-  // Its end counts as that of any attempt.
+  // The end of a Slurm attempt counts like that of any attempt.
   EXPECT_TRUE(queue_->ended(sent.id, owner_, sent.attempt, {}, 4));
   EXPECT_EQ(queue_->find(sent.id)->state, JobState::kSucceeded);
 }

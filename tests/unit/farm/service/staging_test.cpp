@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results get their names, over what may be replaced, and over nothing else.
+// Tests that results get their names and replace only files that they may replace.
 #include "host/farm/service/files/staging.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class StagingTest : public ::testing::Test {
  protected:
   StagingTest() { fs::create_directory(root_); }
   StagedResult staged(std::int64_t id) const { return {roots_, output_, "0123abcd", id, seal_}; }
-  // A folder of results, made for this job; returns its identity.
+  // Makes a folder of results for this job; returns its identity.
   std::string make_folder_of(std::int64_t id, const std::vector<std::string>& names) const {
     const std::string made = make_staging(id);
     for (const std::string& name : names) {
@@ -38,7 +38,7 @@ class StagingTest : public ::testing::Test {
     }
     return staged(id).identity();
   }
-  /// Path of the result in its staging folder, which is there then.
+  /// Creates the result's staging folder and returns the result's path in it.
   std::string make_staging(std::int64_t id) const {
     open_staging_folder(roots_, staging_folder(output_, "0123abcd", id));
     return staged_path(output_, "0123abcd", id);
@@ -78,7 +78,7 @@ TEST_F(StagingTest, AFolderTakesThePlaceOfAnEarlierResultWhole) {
   EXPECT_EQ(names(output_), (std::set<std::string>{"a", "sub/b"}));
   EXPECT_EQ(staged(2).publish(make_folder_of(2, {"a", "c"})), "");
   EXPECT_EQ(names(output_), (std::set<std::string>{"a", "c"}));
-  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1) << "something is left beside it";
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1) << "something is left next to the result";
 }
 
 TEST_F(StagingTest, TemporaryFilesThatWereLeftAreNoResults) {
@@ -127,7 +127,7 @@ TEST_F(StagingTest, FilesAndFoldersAreNotMixedUp) {
   EXPECT_TRUE(fs::is_directory(output_));
 }
 
-// A daemon that died between the exchange and its note finds the folder before in the staging folder.
+// If a daemon died between the exchange and its note, the next one finds the earlier folder in the staging folder.
 TEST_F(StagingTest, WhatCameInTheMeantimeIsPutAside) {
   staged(1).publish(make_folder_of(1, {"a", "b"}));
   const std::string identity = make_folder_of(2, {"a"});
@@ -154,7 +154,7 @@ TEST_F(StagingTest, WhatIsPutAsideTakesNobodysName) {
   EXPECT_TRUE(fs::is_regular_file(output_ + ".kept-2")) << "replaced";
 }
 
-// Else the next attempt would go on from what is the user's.
+// Otherwise the next attempt would continue from the user's files.
 TEST_F(StagingTest, WhatCannotBePutAsideGoesBack) {
   staged(1).publish(make_folder_of(1, {"a"}));
   for (int i = 1; i <= 100; ++i) write_text_file(output_ + ".kept-2" + (i == 1 ? "" : "-" + std::to_string(i)), "");
@@ -174,7 +174,7 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   const std::string identity = make_folder_of(1, {"a", "sub/b"});
   staged(1).publish(identity);
   EXPECT_TRUE(is_intact(identity));
-  EXPECT_FALSE(is_intact("")) << "of a job that published nothing";
+  EXPECT_FALSE(is_intact("")) << "the job published nothing";
   write_text_file(output_ + "/sub/more", "");
   EXPECT_FALSE(is_intact(identity));
   fs::remove(output_ + "/sub/more");
@@ -183,10 +183,10 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   EXPECT_FALSE(is_intact(identity));
   fs::remove_all(output_);
   EXPECT_FALSE(is_intact(identity));
-  EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "nothing is no result";
+  EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "a missing file is not a result";
 }
 
-// While it is removed, a folder in it becomes a link to the user's: again and again, by a thread of its own.
+// While a result is removed, a separate thread repeatedly replaces one of its folders by a link to the user's folder.
 TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   const std::string mine = folder_ / "mine", sub = output_ + "/sub", aside = root_ + "/aside";
   std::set<std::string> all;
@@ -212,7 +212,7 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
         ++swaps;
       }
     });
-    while (swaps == 0) std::this_thread::yield();  // on a busy machine it may begin when all is over
+    while (swaps == 0) std::this_thread::yield();  // on a busy machine the thread may start too late
     EXPECT_NO_THROW(remove_listed(output_, seal_));
     is_over = true;
     swapper.join();
@@ -221,7 +221,7 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   EXPECT_EQ(names(mine), all);
 }
 
-// Moved away, and a link to it put in its place: nothing may be taken by that name, or written through it.
+// The result was moved away and replaced by a link to it: nothing may be read or written through that name.
 TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   const std::string identity = make_folder_of(1, {"a"});
   staged(1).publish(identity);
@@ -230,7 +230,7 @@ TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   EXPECT_EQ(result_identity(roots_, output_), "");
   EXPECT_FALSE(is_as_made(roots_, output_, identity, seal_));
   EXPECT_TRUE(is_as_made(roots_, root_ + "/moved", identity, seal_));
-  // A file.
+  // The result is a file.
   const std::string file = root_ + "/file.exr", moved = root_ + "/moved.exr";
   write_text_file(file, "pixels");
   const std::string of_file = result_identity(roots_, file);
@@ -238,7 +238,7 @@ TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   fs::rename(file, moved);
   fs::create_symlink(moved, file);
   EXPECT_FALSE(is_as_made(roots_, file, of_file, seal_));
-  // A folder above it.
+  // A folder above the result is a link.
   fs::create_directory(root_ + "/above");
   fs::rename(moved, root_ + "/above/file.exr");
   fs::rename(root_ + "/above", root_ + "/elsewhere");
@@ -253,10 +253,10 @@ TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
   fs::create_directory(root_ + "/to");
   copy_result(roots_, output_, root_ + "/to/copy");
   EXPECT_EQ(names(root_ + "/to/copy"), (std::set<std::string>{"a", "sub/b"}));
-  EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own";
+  EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own listing";
   copy_result(roots_, output_ + "/a", root_ + "/to/a");
   EXPECT_EQ(testing::read_bytes(root_ + "/to/a"), "a1");
-  // What an attempt before has left is replaced, and a link in its place is not followed.
+  // The remains of an earlier attempt are replaced, and a link in their place is not followed.
   fs::remove(root_ + "/to/a");
   fs::create_symlink(mine, root_ + "/to/a");
   copy_result(roots_, output_ + "/a", root_ + "/to/a");
@@ -269,7 +269,8 @@ TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
   }
 }
 
-// Who writes to a folder can write a listing into it: of a user's files, with a line more, or of another folder.
+// Anybody who can write to a folder can forge a listing in it: with a user's files, an extra line, or another folder's
+// files.
 TEST_F(StagingTest, AForgedListingIsNone) {
   fs::create_directory(output_);
   write_text_file(output_ + "/mine.txt", "weeks of work");
@@ -281,7 +282,7 @@ TEST_F(StagingTest, AForgedListingIsNone) {
   fs::remove_all(output_);
   staged(1).publish(staged(1).identity());
   EXPECT_EQ(unlisted_in(output_, seal_), "");
-  // A line more.
+  // An extra line.
   const std::string listing = output_ + "/.multum-result", whole = testing::read_bytes(listing);
   write_text_file(output_ + "/mine.txt", "added");
   const std::string own =
@@ -293,14 +294,14 @@ TEST_F(StagingTest, AForgedListingIsNone) {
     EXPECT_FALSE(remove_listed(output_, seal_));
     EXPECT_TRUE(fs::exists(output_ + "/mine.txt"));
   }
-  // Another folder's listing, with the same files.
+  // Another folder's listing with the same files.
   fs::remove(output_ + "/mine.txt");
   testing::write_bytes(listing, whole);
   EXPECT_TRUE(is_as_published(output_, seal_));
   fs::copy(output_, root_ + "/other", fs::copy_options::recursive);
   fs::last_write_time(root_ + "/other/a", fs::last_write_time(output_ + "/a"));
   EXPECT_FALSE(is_as_published(root_ + "/other", seal_));
-  EXPECT_EQ(unlisted_in(root_ + "/other", {}), "") << "but for the seal it is the same";
+  EXPECT_EQ(unlisted_in(root_ + "/other", {}), "") << "only the seal differs";
 }
 
 TEST_F(StagingTest, TheKeyIsMadeOnceAndItsOwnersAlone) {
@@ -319,7 +320,7 @@ TEST_F(StagingTest, ALinkIsNoResult) {
   EXPECT_EQ(staged(1).identity(), "");
 }
 
-// Who may write to the folder of results knows the next staging folder's name.
+// Anybody who can write to the folder of results can predict the next staging folder's name.
 TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
   const std::string mine = root_ + "/mine", staging = staging_folder(output_, "0123abcd", 1);
   const auto expect_left_alone = [&](const std::string& word) {
@@ -334,7 +335,7 @@ TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
   expect_left_alone("is a symbolic link");
   EXPECT_EQ(testing::read_bytes(mine + "/thesis.txt"), "weeks of work");
   fs::remove(staging);
-  fs::rename(mine, staging);  // the daemon's own, by a rename
+  fs::rename(mine, staging);  // replaces the daemon's folder by a rename
   expect_left_alone("did not create it");
   fs::permissions(staging, fs::perms(0777));
   expect_left_alone("other users write");
@@ -351,7 +352,7 @@ TEST_F(StagingTest, DataIsForTheDaemonAlone) {
   }
   fs::permissions(data, fs::perms(0755));
   fs::create_directory_symlink(data, folder_ / "link");
-  EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "a link of one's own";
+  EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "users may link to their own folders";
   fs::create_directory_symlink(folder_ / "nowhere", folder_ / "dangling");
   testing::expect_error(ErrorCode::kEnvironment, {"dangling", "missing file"},
                         [&] { DataLock::take(folder_ / "dangling"); });

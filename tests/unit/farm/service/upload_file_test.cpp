@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A disk that takes no more refuses an upload, and nothing of it stays.
+// Tests that a full disk refuses an upload and keeps none of it.
 #include "host/farm/service/files/upload_file.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST(UploadFileTest, ALimitOfFileSizesIsNoSpace) {
     const FileLimit limit(1 << 20);
     try {
       for (int i = 0; i < 32; ++i) file->write(std::string(1 << 16, 'a'));
-      FAIL() << "more than the limit is taken";
+      FAIL() << "an upload above the limit was accepted";
     } catch (const Error& error) {
       const Refusal refusal = refusal_of(error);
       EXPECT_EQ(refusal.status, 507);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever a worker says, and whatever fails about it, is that worker's end: its job is known to be lost, and another
-// worker takes its place. Workers here are shell scripts.
+// Tests that any unexpected message or failure ends only the worker that caused it: its job is reported lost, and
+// another worker replaces it. Workers here are shell scripts.
 #include "host/farm/service/workers/worker_pool.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ struct Ended {
 
 class WorkerPoolTest : public ::testing::Test {
  protected:
-  // A worker that is ready, reads an order, and then does this.
+  // Starts workers that report ready, read an order, and then run `script`.
   void open(const std::string& script) {
     WorkerPoolSettings settings;
     settings.command = {"/bin/sh", "-c", std::string(kReady) + "read order <&3; " + script};
@@ -39,7 +39,7 @@ class WorkerPoolTest : public ::testing::Test {
             [this](std::int64_t job, const std::string&, int, const WorkResult& result) { on_ended_(job, result); }});
     pool_->start();
   }
-  // Runs until it is so; handlers that throw cost what they were at, as in the daemon.
+  // Runs until `is_so`; a handler that throws loses only its own work, as in the daemon.
   bool runs_until(const std::function<bool()>& is_so) {
     const auto until = std::chrono::steady_clock::now() + 30s;
     while (!is_so() && std::chrono::steady_clock::now() < until) {
@@ -57,13 +57,13 @@ class WorkerPoolTest : public ::testing::Test {
     order.job = job;
     return pool_->order(pool_->idle().front(), order);
   }
-  // The order's end, and that another worker is there.
+  // Expects that the order ends and that another worker starts.
   void expect_lost(std::int64_t job, const std::string& why) {
     ASSERT_TRUE(runs_until([&] { return !ended_.empty(); }));
     EXPECT_EQ(ended_.front().job, job);
     EXPECT_EQ(ended_.front().result.exit_code, -1);
     EXPECT_NE(ended_.front().result.message.find(why), std::string::npos) << ended_.front().result.message;
-    EXPECT_TRUE(runs_until([&] { return !pool_->idle().empty(); })) << "no worker takes its place";
+    EXPECT_TRUE(runs_until([&] { return !pool_->idle().empty(); })) << "no other worker replaces it";
   }
 
   boost::asio::io_context io_{1};
@@ -95,7 +95,7 @@ TEST_F(WorkerPoolTest, WantOfMemoryIsOneWorkersEnd) {
     if (fails-- > 0) throw std::bad_alloc();
   };
   open("sleep 60");
-  EXPECT_TRUE(give_order(7)) << "no worker is read from any more";
+  EXPECT_TRUE(give_order(7)) << "workers' messages are no longer read";
 }
 
 TEST_F(WorkerPoolTest, AnEndThatCannotBeNotedIsNotedLater) {
@@ -124,7 +124,7 @@ TEST_F(WorkerPoolTest, WhatCannotBeStartedLeavesNoFiles) {
       EXPECT_EQ(pool.live_count(), 0);
     }
     io_.restart();
-    if (i == 0) before = open_files();  // asio has its own by now
+    if (i == 0) before = open_files();  // asio has opened its own files by this round
   }
   EXPECT_EQ(open_files(), before);
 }

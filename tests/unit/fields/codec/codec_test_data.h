@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes what tests of the codec share: random bytes and pictures, filter matrices, damaged copies, errors.
+// Makes shared inputs for tests of the codec: random bytes and pictures, filter matrices, damaged copies, errors.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ inline std::vector<std::uint8_t> random_bytes(SplitMix64& random, std::size_t co
   return bytes;
 }
 
-/// A copy with some bytes changed, cut or repeated.
+/// Returns a copy with some bytes changed, cut or repeated.
 inline std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> bytes, SplitMix64& random) {
   if (bytes.empty()) return bytes;
   const auto place = [&] { return static_cast<std::size_t>(random.next() % bytes.size()); };
@@ -30,7 +30,7 @@ inline std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> bytes, SplitM
   return bytes;
 }
 
-/// Waves and an edge, with noise of the given size; values about 0 to 255.
+/// Makes waves and an edge, with noise of the given size; values about 0 to 255.
 inline std::vector<float> test_plane(std::size_t width, std::size_t height, double phase, double noise,
                                      SplitMix64& random) {
   std::vector<float> plane(width * height);
@@ -42,7 +42,7 @@ inline std::vector<float> test_plane(std::size_t width, std::size_t height, doub
   return plane;
 }
 
-/// Pixels that average squares of `block` x `block` texels of the finest level, of columns begin to end alone.
+/// Makes pixels that average squares of `block` x `block` texels of the finest level, only in columns begin to end.
 inline FilterMatrix seen_columns(int width, int height, int block, int begin, int end) {
   FilterMatrix matrix;
   matrix.width = width / block;

@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-/// The texture's left half alone.
+/// Makes a matrix that sees only the texture's left half.
 FilterMatrix half_seen(int width, int height, int block) { return seen_columns(width, height, block, 0, width / 2); }
 
 std::vector<float> energies_of(const FilterMatrix& matrix, const CoefficientLayout& layout) {
@@ -27,8 +27,8 @@ TEST(DrawnWeights, OneTexelAPixelWeighsEveryCosineOne) {
 TEST(DrawnWeights, PixelsOverManyTexelsWeighHighFrequenciesLess) {
   const FilterMatrix matrix = half_seen(64, 32, 4);
   const auto energies = energies_of(matrix, {ImageCoder::kDct, 64, 32, 8});
-  // The constant of a block is 1/8 in 64 texels, so 1/8 in its 4 pixels: 4/64. Frequency 4 along a row sums to zero
-  // over every 4 texels.
+  // The constant of a block is 1/8 in 64 texels, and hence 1/8 in its 4 pixels: 4/64. Frequency 4 along a row sums to
+  // zero over every 4 texels.
   EXPECT_NEAR(energies[0], 4.0f / 64.0f, 1e-4f);
   EXPECT_LT(energies[7], 0.2f * energies[0]);
   EXPECT_NEAR(energies[4 * 64], 0.0f, 1e-6f);  // the fifth block is not seen
@@ -39,7 +39,7 @@ TEST(DrawnWeights, WaveletsAreHeaviestWhereTheyAreSeen) {
   const auto energies = energies_of(matrix, {ImageCoder::kWavelet, 64, 32, 16});
   for (const WaveletBand& band : wavelet_bands(64, 32)) {
     const std::size_t row = (band.y + band.height / 2) * 64 + band.x;
-    float sum = 0.0f;  // of the seen half, but for its border
+    float sum = 0.0f;  // over the seen half except for its border
     std::size_t count = 0;
     for (std::size_t y = 0; y < band.height; ++y)
       for (std::size_t x = 0; x + 1 < band.width / 2; ++x, ++count) sum += energies[(band.y + y) * 64 + band.x + x];
@@ -78,14 +78,14 @@ TEST(DrawnWeights, DimLayersShowLess) {
   const auto both = layer_shares(matrix, {&bright, &dim});
   EXPECT_NEAR(both[0][0], std::pow(0.75, 2.0 - 2.0 / 2.2), 1e-4);
   EXPECT_NEAR(both[1][0], std::pow(0.25, 2.0 - 2.0 / 2.2), 1e-4);
-  EXPECT_NEAR(both[1][7], both[1][0], 1e-4f);  // where nothing is seen, the others' mean
+  EXPECT_NEAR(both[1][7], both[1][0], 1e-4f);  // unseen blocks get the mean of the others
   EXPECT_LT(layer_shares(matrix, {&bright, &black})[1][0], 1e-4f);
 }
 
 TEST(DrawnWeights, CellsFollowThePlaceOfCoefficients) {
   const auto cells = cells_of_coefficients({ImageCoder::kDct, 64, 32, 8});
   EXPECT_EQ(cells[0], 0u);
-  EXPECT_EQ(cells[2 * 64], 1u);            // the third block lies at x = 16
+  EXPECT_EQ(cells[2 * 64], 1u);            // the third block is at x = 16
   EXPECT_EQ(cells[(2 * 8 + 7) * 64], 7u);  // row 2 of blocks is y = 16: cells 4 to 7
   const auto wavelets = cells_of_coefficients({ImageCoder::kWavelet, 64, 32, 16});
   const WaveletBand finest = wavelet_bands(64, 32).back();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks of a field's samples, and the description of a packed field.
+// Tests blocks of a field's samples, and the description of a packed field.
 #include "host/fields/codec/field_description.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// 5 views by 3 lights; the mapping changes at view 3.
+// A field of 5 views by 3 lights; the mapping changes at view 3.
 InferredManifest field_of_15() {
   InferredManifest field;
   field.geometry_file = "scene.obj";
@@ -52,7 +52,7 @@ std::vector<FieldBlock> blocks_of(const std::vector<std::string>& textures, int 
                       {side, first, most});
 }
 
-// A name a sample, of its view and its light.
+// Returns one name per sample, made from its view and its light.
 std::vector<std::string> names(const std::function<std::string(int view, int light)>& name) {
   std::vector<std::string> textures;
   for (int view = 0; view < 5; ++view)
@@ -70,11 +70,11 @@ TEST(FieldBlocks, EndWhereMappingsChangeAndVaryWithWhatTexturesDo) {
   EXPECT_EQ(blocks[1].size, (std::vector<int>{2, 3}));
   for (const FieldBlock& block : blocks) EXPECT_EQ(block.varying, (std::vector<std::size_t>{1}));
   EXPECT_EQ(blocks[1].chunk_sample({4, 2}), 2u);
-  // Missing textures fit any.
+  // A missing texture matches any other.
   auto missing = names(of_lights);
   missing[4].clear();
   EXPECT_EQ(blocks_of(missing)[0].varying, (std::vector<std::size_t>{1}));
-  // Two that each fit a neighbour, and not one another.
+  // Two textures each match a common neighbour, but not one another.
   const auto diagonal = names([](int view, int light) {
     return view == 0 && light == 0 ? "a" : view == 1 && light == 1 ? "b" : "";
   });
@@ -104,10 +104,10 @@ TEST(FieldBlocks, MayBeginWithAShorterOneWhereOneDoesNotHoldAll) {
   std::set<std::vector<int>> found;
   for (const FieldBlock& block : blocks_of(all, 2, 1000, 1))
     found.insert({block.begin[0], block.size[0], block.begin[1], block.size[1]});
-  // Views 0, 1..2 of the one mapping; 3..4 of the other fit. Lights 0, 1..2.
+  // Views 0 and 1..2 share one mapping; views 3..4 share the other and form one block. Lights: 0 and 1..2.
   EXPECT_EQ(found, (std::set<std::vector<int>>{
                        {0, 1, 0, 1}, {0, 1, 1, 2}, {1, 2, 0, 1}, {1, 2, 1, 2}, {3, 2, 0, 1}, {3, 2, 1, 2}}));
-  EXPECT_EQ(blocks_of(all, 8, 1000, 3).size(), 2u) << "all fits in one block of each mapping";
+  EXPECT_EQ(blocks_of(all, 8, 1000, 3).size(), 2u) << "one block per mapping holds everything";
   for (int first = 0; first <= 2; ++first) {
     std::size_t samples = 0;
     for (const FieldBlock& block : blocks_of(all, 2, 2, first))
@@ -174,7 +174,7 @@ TEST(FieldDescription, WhatDoesNotFitTogetherIsRefused) {
     EXPECT_THROW(decode_description(std::span(whole).first(length)), Error);
 }
 
-// A hostile file says once what thousands of samples refer to.
+// A hostile file could store one pose that thousands of samples refer to.
 TEST(FieldDescription, PosesThatAreSharedAreBounded) {
   std::string zeros = "0", samples = R"(["s",[0],0,0])";
   for (int i = 0; i < 20000; ++i) zeros += ",0";

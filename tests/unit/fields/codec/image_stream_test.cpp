@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the two image coders: what the encoder says that the decoder will have, it has; streams may be cut anywhere;
-// what nothing sees costs next to nothing.
+// Tests the two image coders: the decoder gets exactly the image that the encoder predicts, streams may be cut
+// anywhere, and unseen texels cost almost nothing.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -18,7 +18,7 @@ struct Picture {
   std::array<std::vector<float>, 3> planes;
 };
 
-/// Four pictures: alike, one of them noise, one extreme, one empty.
+/// Makes four pictures: two alike, one of noise, one extreme, one empty.
 std::vector<Picture> pictures(SplitMix64& random) {
   std::vector<Picture> result(4);
   for (std::size_t k = 0; k < 4; ++k)
@@ -137,7 +137,7 @@ TEST(DctStream, WhatNothingSeesCostsNothing) {
   for (auto& plane : noisy[0].planes)
     for (std::size_t i = 0; i < kTexels; ++i)
       if (i % kWidth >= 40) plane[i] = static_cast<float>(255.0 * random.uniform());
-  // Texels without weight may hold anything: no byte of the stream depends on them.
+  // Texels without weight may hold any value: no byte of the stream depends on them.
   EXPECT_EQ(dct_encoded(grid, source, 6.0f, 4.0f, half).bytes, dct_encoded(grid, noisy, 6.0f, 4.0f, half).bytes);
   EXPECT_LT(dct_encoded(grid, source, 6.0f, 4.0f, half).bytes.size(),
             dct_encoded(grid, source, 6.0f, 4.0f).bytes.size() * 6 / 10);
@@ -152,7 +152,7 @@ TEST(DctStream, CutAndDamagedStreamsDecode) {
     const auto first = decoder.next_image(nullptr, nullptr, 0);
     for (std::size_t k = 1; k < 4; ++k) decoder.next_image(&first, &first, k);
     EXPECT_TRUE(decoder.exhausted());
-    // Each block is the encoder's or, behind the cut, zero.
+    // Each block equals the encoder's block or, after the cut, zero.
     for (std::size_t p = 0; p < 3; ++p)
       for (std::size_t b = 0; b < grid.count(); ++b) {
         const auto x = first.block(p, b), y = coded.images[0].block(p, b);
@@ -222,7 +222,7 @@ TEST(WaveletStream, EveryPrefixDecodesAndMoreBytesLeaveLessError) {
   SplitMix64 random(8);
   auto source = pictures(random);
   source.erase(source.begin());
-  source.resize(1);  // noise, so that every bit plane has something to say
+  source.resize(1);  // noise, so that every bit plane holds data
   const auto coded = wavelet_encoded(kWidth, kHeight, source, 4.0f, 0.0f);
   const std::vector<float> steps(wavelet_bands(kWidth, kHeight).size(), 1.0f);
   std::vector<double> errors;
@@ -239,7 +239,7 @@ TEST(WaveletStream, EveryPrefixDecodesAndMoreBytesLeaveLessError) {
     }
     errors.push_back(error);
   }
-  // A single coefficient may be set worse than its middle; so no step up is large, and none lasts.
+  // One more byte may move a coefficient away from its true value. Such rises of the error are small and do not last.
   for (std::size_t cut = 1; cut < errors.size(); ++cut)
     EXPECT_LT(errors[cut], errors[cut - 1] + 0.004 * errors[0]) << cut;
   for (std::size_t cut = 13; cut < errors.size(); ++cut) EXPECT_LT(errors[cut], errors[cut - 13]) << cut;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the transforms of images: cosines, wavelets, radiance, mip levels.
+// Tests the transforms of images: cosines, wavelets, radiance and mip levels.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -92,7 +92,7 @@ TEST(Wavelet, SmoothImagesHaveEmptyHighBands) {
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] = static_cast<float>(i % 64) * 0.5f + static_cast<float>(i / 64) * 0.25f;  // four vanishing moments
   forward_wavelet(64, 64, values);
-  for (std::size_t y = 36; y < 60; ++y)  // away from the mirrored borders, of which a ramp is no smooth continuation
+  for (std::size_t y = 36; y < 60; ++y)  // away from the mirrored borders, where a ramp is not smooth
     for (std::size_t x = 36; x < 60; ++x) EXPECT_NEAR(values[y * 64 + x], 0.0f, 1e-4f);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the pyramid over parameters: which images there are, whose samples they serve, and that other lists of levels
-// are refused; and the search for its levels.
+// Tests the pyramid over parameters: its images, the samples that each image serves, the refusal of invalid lists of
+// levels, and the search for levels.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -17,7 +17,7 @@ TEST(ParameterPyramid, PlainPyramidOfEightByEight) {
   ASSERT_TRUE(pyramid);
   EXPECT_EQ(pyramid->image_count(), 85u);  // 1 + 4 + 16 + 64
   EXPECT_EQ(pyramid->image_of(0, 63), 0u);
-  EXPECT_EQ(pyramid->image_of(1, 7), 2u);  // (0, 7) lies in the second of the first row
+  EXPECT_EQ(pyramid->image_of(1, 7), 2u);  // (0, 7) is in the second image of the first row
   EXPECT_EQ(pyramid->image_of(3, 9), 21u + 9u);
   EXPECT_EQ(pyramid->parent_of(0), std::nullopt);
   EXPECT_EQ(pyramid->parent_of(21 + 9), 5u + 0u);
@@ -79,8 +79,8 @@ TEST(ParameterPyramid, RefusesWhatIsNoPyramid) {
   EXPECT_TRUE(refused({}, {{}}));
   EXPECT_TRUE(refused({8}, {}));
   EXPECT_TRUE(refused({0}, {{0}}));
-  EXPECT_TRUE(refused({8}, {{3}, {1}}));       // not down to the samples
-  EXPECT_TRUE(refused({8}, {{1}, {1}, {0}}));  // a level twice
+  EXPECT_TRUE(refused({8}, {{3}, {1}}));       // the levels end before the samples
+  EXPECT_TRUE(refused({8}, {{1}, {1}, {0}}));  // two equal levels
   EXPECT_TRUE(refused({8, 8}, {{1, 0}, {0, 1}, {0, 0}}));
   EXPECT_TRUE(refused({8, 8}, {{1}, {0}}));
   EXPECT_TRUE(refused({8}, {{200}, {0}}));
@@ -90,7 +90,7 @@ TEST(ParameterPyramid, RefusesWhatIsNoPyramid) {
 }
 
 TEST(ChosenLevels, FindWhatACostPrefers) {
-  // A cost that wants the first dimension split wholly before the second, and takes a level for a tenth.
+  // This cost is lowest if the first dimension is split completely before the second; each level adds a tenth.
   const auto cost = [](const std::vector<Halvings>& levels) {
     double sum = 0.1 * static_cast<double>(levels.size());
     for (std::size_t l = 1; l < levels.size(); ++l) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that poses which differ in what is hidden need not be measured: those that are measured say what the others
-// weigh.
+// Tests that poses which differ only in hidden parts need no measurement: measured poses give the weights of the
+// others.
 #include <gtest/gtest.h>
 
 #include "host/fields/codec/pose_energies.h"
@@ -16,7 +16,8 @@ std::vector<float> masses_between(int begin, int end) {
 }
 
 TEST(PosesToMeasure, EveryCellIsSeenByOneOfThem) {
-  // Cells are 16 texels wide. The second sees most, the first what is left; the others bring nothing.
+  // Cells are 16 texels wide. The second pose sees most cells, and the first pose sees the rest; the others add
+  // nothing.
   std::vector<std::vector<float>> cells;
   for (const auto& [begin, end] : {std::pair(0, 16), {16, 64}, {32, 64}, {4, 12}})
     cells.push_back(cell_sums(kTexelColumns, masses_between(begin, end)));
@@ -56,7 +57,7 @@ TEST(PoseEnergies, BlocksThatAreHiddenInPartWeighByWhatIsSeen) {
   poses.set_like(1, layout, {0}, masses_between(8, 64));
   const auto cells = cells_of_coefficients(layout);
   const std::vector<float> like = poses.of(1, cells);
-  double exact = 0.0, found = 0.0;  // of the first block
+  double exact = 0.0, found = 0.0;  // sums over the first block
   for (std::size_t i = 0; i < 256; ++i) {
     exact += static_cast<double>(energies[1][i]);
     found += static_cast<double>(like[i]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the range coder and its contexts: what is written comes back, at about the length that its probabilities give;
-// cut streams give what is certain and then zeros; other bytes do no harm.
+// Tests the range coder and its contexts: symbols come back, at about the length that their probabilities predict. Cut
+// streams give the certain symbols and then zeros; random bytes do no harm.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,17 +50,17 @@ TEST(RangeCoder, EverySymbolComesBack) {
         bits -= std::log2((symbol.bit ? symbol.probability : 65536.0 - symbol.probability) / 65536.0);
       }
       EXPECT_FALSE(decoder.exhausted());
-      // Rounding of the interval costs below 1/256 of it a symbol, the end at most two bytes.
+      // Rounding of the interval costs less than 1/256 of it per symbol, and the end at most two bytes.
       EXPECT_LE(8.0 * static_cast<double>(bytes.size()), bits + 0.006 * static_cast<double>(symbols.size()) + 16.0);
     }
 }
 
 TEST(RangeCoder, CarriesRunThroughLongRowsOfOnes) {
-  // Symbols that keep the number 1/2 within the interval, its begin below: the bytes written are 7f ff ff ff ... Then
-  // one symbol moves the begin beyond 1/2, and all of them change.
+  // These symbols keep the number 1/2 inside the interval and the interval's begin below 1/2: the written bytes are 7f
+  // ff ff ff ... Then one symbol moves the begin above 1/2, and all of these bytes change.
   SplitMix64 random(9);
   std::vector<Symbol> symbols;
-  std::uint64_t range = 0xffffffff, distance = std::uint64_t{1} << 31;  // of 1/2 from the interval's begin
+  std::uint64_t range = 0xffffffff, distance = std::uint64_t{1} << 31;  // from the interval's begin to 1/2
   const auto probability = [&] { return static_cast<std::uint32_t>(1 + random.next() % 65535); };
   while (symbols.size() < 3000) {
     const Symbol symbol{false, probability()};
@@ -156,12 +156,12 @@ TEST(BitMixer, FollowsTheContextThatKnows) {
   for (int i = 0; i < 4000; ++i) {
     const bool bit = random.next() % 2 == 0;
     const std::array<int, 2> inputs = {bit ? 500 : -500,
-                                       random.next() % 2 == 0 ? 500 : -500};  // one knows, one guesses
+                                       random.next() % 2 == 0 ? 500 : -500};  // one predicts well, one guesses
     const std::uint32_t p = mixer.mix(inputs);
     if (i >= 2000) bits -= std::log2((bit ? p : 65536 - p) / 65536.0);
     mixer.update(inputs, p, bit);
   }
-  EXPECT_LT(bits / 2000.0, 0.1);  // alone and unmixed, the one that knows would take log2(1 + exp(-500 / 256)) = 0.19
+  EXPECT_LT(bits / 2000.0, 0.1);  // the good predictor without mixing needs log2(1 + exp(-500 / 256)) = 0.19
 }
 
 TEST(SymbolCoder, NumbersComeBack) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests chunks: textures over a block of parameters come back within the error that was paid for, whatever the pyramid;
-// damaged, cut and hostile chunks are refused or decode to something.
+// Tests chunks: textures over a block of parameters come back within the expected error for every pyramid. Damaged, cut
+// and hostile chunks are refused or decode to some texture.
 #include <gtest/gtest.h>
 
 #include "host/fields/codec/chunk_choice.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kChunkWidth = 45, kChunkHeight = 26, kChunkTexels = kChunkWidth * kChunkHeight;
 
-/// Green textures that drift with the first parameter and brighten with the second.
+/// Makes green textures that drift with the first parameter and brighten with the second.
 ChunkSource test_source(std::vector<std::size_t> sizes, std::uint64_t seed) {
   SplitMix64 random(seed);
   ChunkSource source;
@@ -84,8 +84,8 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
         bytes_before = bytes.size();
         error_before = error;
       }
-      // Closed loop: whatever the coarser levels left, the finest has the error of its own quantizer alone. Its step is
-      // 3.5 sqrt(lambda) at most, and a coefficient of less than that may be dropped.
+      // Closed loop: whatever error coarser levels left, the finest level has only the error of its own quantizer. The
+      // quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
       EXPECT_LT(error_before, 3.5 * 3.5);
     }
 }
@@ -125,7 +125,7 @@ TEST(TextureChunk, LinearReconstructionFollowsRampsBetter) {
 }
 
 TEST(TextureChunk, ErrorIsWhatIsLeft) {
-  // Blocks that end within the texture: what lies beyond its borders counts in the encoder's error, not here.
+  // Blocks reach beyond the texture's borders. The encoder's error includes the texels there, and `left` does not.
   for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet}) {
     const ChunkSource source = test_source({2, 2}, 21);
     ChunkSettings settings;
@@ -148,7 +148,8 @@ TEST(BestChunk, IsNoWorseThanAnyCandidateOfTheFirstCoder) {
   const double lambda = 40.0;
   const ChosenChunk chosen = best_chunk(source, even_weights, candidates, lambda, [] {});
   const EncodedChunk& best = chosen.chunk;
-  EXPECT_EQ(encode_chunk(source, chosen.settings).bytes, best.bytes) << "what was chosen makes it again";
+  EXPECT_EQ(encode_chunk(source, chosen.settings).bytes, best.bytes)
+      << "the chosen settings must give the same bytes again";
   ChunkSettings settings;
   settings.side = 8;
   settings.lambda = lambda;
@@ -176,14 +177,14 @@ TEST(BestChunk, TriesWhatItIsAskedTo) {
     return chosen.chunk.cost(lambda);
   };
   const double plain = cost(PyramidChoice::kPlain, {}), none = cost(PyramidChoice::kNone, {});
-  EXPECT_LT(plain, none) << "samples have much in common";
+  EXPECT_LT(plain, none) << "the samples are similar";
   EXPECT_LE(cost(PyramidChoice::kAdaptive, {}), plain);
   EXPECT_LT(cost(PyramidChoice::kGreedy, {}), none);
   for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet})
     EXPECT_GE(cost(PyramidChoice::kPlain, coder), plain);
 }
 
-// Finer images cannot repair what coding did to coarser ones: each level's error is left in the sum.
+// Finer images cannot repair the coding errors of coarser ones: each level's error stays in the sum.
 TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
   const ChunkSource source = test_source({4, 4}, 24);
   ChunkSettings settings;
@@ -199,7 +200,7 @@ TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
 }
 
 TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
-  // Samples that are multiples of one texture: one image of a basis says what a pyramid needs differences for.
+  // The samples are multiples of one texture: a basis needs one image, but a pyramid needs differences.
   ChunkSource source = test_source({8}, 18);
   for (std::size_t s = 1; s < 8; ++s)
     for (std::size_t i = 0; i < source.textures[s].size(); ++i)
@@ -223,7 +224,7 @@ TEST(TextureChunk, ALearntBasisOfAllImagesLosesNothing) {
   ChunkSettings settings;
   settings.coder = ImageCoder::kWavelet;
   settings.lambda = 0.05;
-  settings.basis_images = 100;  // no more than there are samples
+  settings.basis_images = 100;  // at most one image per sample
   const auto chunk = decoded(encode_chunk(source, settings).bytes);
   EXPECT_EQ(chunk->format().basis.size(), 6u);
   EXPECT_LT(error_of(*chunk, source), 0.5);
@@ -257,14 +258,14 @@ TEST(TextureChunk, SameBytesEveryTime) {
   EXPECT_EQ(encode_chunk(source, settings).bytes, encode_chunk(source, settings).bytes);
 }
 
-/// Chunks of both coders, with a pyramid, one that is linear, and a basis.
+/// Makes chunks of both coders, with a pyramid, a linear pyramid, and a basis.
 std::vector<std::vector<std::uint8_t>> chunks_of_all_kinds() {
   std::vector<std::vector<std::uint8_t>> chunks;
   for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet})
     for (const int kind : {0, 1, 2}) {
       ChunkSettings settings;
       settings.coder = coder;
-      settings.lambda = 3000.0;  // leaves some images without a coefficient
+      settings.lambda = 3000.0;  // some images get no coefficient
       settings.linear = kind == 1;
       if (kind < 2) settings.levels = {{2, 2}, {0, 2}, {0, 0}};
       chunks.push_back(encode_chunk(test_source({4, 3}, 17), settings).bytes);
@@ -301,8 +302,8 @@ TEST(TextureChunk, LimitsAreKept) {
     std::string problem;
     const std::size_t needed = decoded(bytes)->memory_bytes();
     ASSERT_GT(needed, 100u);
-    // While it decodes, wavelets' planes take up to three times eight bytes a texel of each of two images more, and
-    // vectors of cosines' coefficients grow.
+    // During decoding, wavelet planes take up to three times eight bytes per texel for two more images, and vectors of
+    // cosine coefficients grow.
     DecodingLimits limits;
     limits.bytes_max = 4 * needed + 2 * 24 * kChunkTexels;
     EXPECT_NE(TextureChunk::decode(bytes, problem, limits), nullptr) << problem;
@@ -342,7 +343,7 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
       std::vector<std::uint8_t> other;
       if (round % 2 == 0) {
         other = damaged(bytes, random);
-      } else {  // damage of the head alone, which large streams hardly ever suffer
+      } else {  // damages only the head, which random damage of large streams rarely hits
         other = bytes;
         other[random.next() % 45] = static_cast<std::uint8_t>(random.next());
       }
@@ -360,12 +361,12 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
 }
 
 TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
-  // 16384 x 16384 texels of 65536 samples: the head alone would have a decoder take petabytes.
+  // 16384 x 16384 texels of 65536 samples: the head would make a decoder allocate petabytes.
   const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
   EXPECT_EQ(problem, "the images have more than 2^28 texels together");
-  // One texel of 4^8 samples, between 2^8 images on each of 32 levels.
+  // One texel of 4^8 samples, with 2^8 images on each of 32 levels.
   std::vector<std::uint8_t> sums = {2, 1, 1, 8, 32};
   sums.insert(sums.end(), 8, 4);
   sums.insert(sums.end(), 32 * 9, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs of texture inference: written and read back equal, made from folders, and each refusal by line, key, what was
-// found and what was expected.
+// Tests jobs of texture inference: they are equal after writing and reading, and can be made from folders. Each refusal
+// names the line, the key, the value found and the value expected.
 #include "host/fields/inference/job/animation_job_reading.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class AnimationJobTest : public ::testing::Test {
     write_bytes(job_path(), text);
     return read_animation_job(job_path());
   }
-  // The first `from` becomes `to`; the refusal must name the line where that begins, and all of `parts`.
+  // Replaces the first `from` by `to`; the refusal must name the line where `from` begins and contain all of `parts`.
   void expect_refused(const std::string& from, const std::string& to, std::vector<std::string> parts) const {
     const std::size_t at = text_.find(from);
     ASSERT_NE(at, std::string::npos) << from << " in\n" << text_;
@@ -91,10 +91,10 @@ TEST_F(AnimationJobTest, AFolderWhoseObjectMoves) {
   EXPECT_EQ(job.objects[0].index, 1);
   EXPECT_EQ(job.objects[0].cryptomatte, "");
   EXPECT_EQ(job.samples[0].geometry, folder_ / "geom_v00.exr");
-  EXPECT_EQ(job.samples[1].geometry, "") << "the view's geometry is that of its first sample";
+  EXPECT_EQ(job.samples[1].geometry, "") << "the view takes the geometry of its first sample";
   EXPECT_EQ(job.samples[1].object_index, folder_ / "id_v00_p01.png");
   EXPECT_EQ(job.samples[1].object_to_world.at("thing")[3], glm::dvec4(0.0, 0.0, 0.125, 1.0));
-  // An OBJ is in world space as it stood when it was written: what the sample says is against the object's own space.
+  // An OBJ file is in the world space of its export; the sample's matrix is relative to the object's own space.
   edit_scene([](auto& scene) { scene["objects"]["thing"]["object_to_world"][2][3] = 0.5; });
   EXPECT_EQ(job_for_folder(folder_.path()).samples[1].object_to_world.at("thing")[3].z, 0.125);
   fs::remove(folder_ / "geometry.gltf");
@@ -110,7 +110,7 @@ TEST_F(AnimationJobTest, IsReadBackEqual) {
     make(moves);
     AnimationJob job = job_for_folder(folder_.path());
     EXPECT_EQ(read(text_), job) << text_;
-    // Values that are no defaults, among them numbers that need all digits, and letters that must be escaped.
+    // All values differ from their defaults; some numbers need all digits, and some letters must be escaped.
     fs::create_directories(folder_ / "a \"b\"");
     fs::rename(job.samples[3].radiance, folder_ / "a \"b\"/c.exr");
     job.samples[3].radiance = folder_ / "a \"b\"/c.exr";
@@ -157,7 +157,7 @@ TEST_F(AnimationJobTest, SamplesAreInTheOrderOfTheGrid) {
   replace_once(text, "name = \"v01_p00\"\nradiance", "radiance");
   const AnimationJob job = read(text);
   EXPECT_EQ(job.samples[1].radiance, folder_ / "rad_v01_p00.exr");
-  EXPECT_EQ(job.samples[1].name, "0_1") << "a name of its own, where there is none";
+  EXPECT_EQ(job.samples[1].name, "0_1") << "a sample without a name gets one";
   EXPECT_EQ(job.samples[2].name, "v00_p01");
 }
 
@@ -376,7 +376,7 @@ TEST_F(AnimationJobTest, FoldersThatAreNotUnderstood) {
   expect_folder_refused({"geometry.glb", "geometry.gltf", "geometry.obj"});
 }
 
-// The example of docs/reference/animation_jobs.md, with files of the names that it has.
+// Reads the example of docs/reference/animation_jobs.md, with files of the names in it.
 TEST_F(AnimationJobTest, TheDocumentedExampleIsRead) {
   make(false);
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/animation_jobs.md");
@@ -410,7 +410,7 @@ TEST(AnimationJob, TheRealFieldIsUnderstood) {
   const TemporaryFolder folder;
   write_bytes(folder / "field.toml", animation_job_text(job, folder.path()));
   AnimationJob again = read_animation_job(folder / "field.toml");
-  // Through another folder, paths may be written in another way.
+  // Seen from another folder, paths may be spelled differently.
   EXPECT_TRUE(fs::equivalent(again.samples[9].radiance, job.samples[9].radiance));
   EXPECT_EQ(again.cameras, job.cameras);
   EXPECT_EQ(again.objects, job.objects);

@@ -42,7 +42,7 @@ nlohmann::json sample_json(int view, int param, bool moves) {
   std::snprintf(name, sizeof name, "v%02d_p%02d", view, param);
   nlohmann::json sample = {{"view", view}, {"param", param}, {"name", name}};
   sample["world_to_camera"] = shifted(-0.25 + 0.125 * view, -0.25, -2.0);
-  // Near 0.1, far 10; an eighth to each side of the centre at a distance of 2.
+  // Near 0.1, far 10; at a distance of 2 the picture extends 1/8 to each side of the centre.
   sample["projection"] = {{16, 0, 0, 0}, {0, 16, 0, 0}, {0, 0, -1.02020202, -0.202020202}, {0, 0, -1, 0}};
   if (moves) sample["object_to_world"]["thing"] = shifted(0.0, 0.0, 0.125 * param);
   if (!moves) sample["light_swing_deg"] = 22.0 * param;
@@ -54,7 +54,7 @@ nlohmann::json sample_json(int view, int param, bool moves) {
 std::string gltf_text(const GltfScene& scene) {
   std::array<float, 6> tripled = scene.uvs;
   for (float& value : tripled) value *= 3.0f;
-  const std::array<std::uint16_t, 6> indices = {0, 1, scene.last_index, 0, 0, 0};  // the last three: whole rgb_planes
+  const std::array<std::uint16_t, 6> indices = {0, 1, scene.last_index, 0, 0, 0};  // rgb_planes needs whole triangles
   const std::string buffer = bytes_of(scene.positions) + bytes_of(scene.uvs) + bytes_of(tripled) + bytes_of(indices);
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + scene.nodes +
          R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"indices":3}]}],)"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras that fit their depths pass, and those that do not are refused, with counts of closed form.
+// Tests that cameras which fit their depths pass and others are refused, with counts in closed form.
 #include "host/fields/inference/mapping/camera_check.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@
 namespace multum::testing {
 namespace {
 
-// 40 x 20 pixels, half an eighth to a side at a distance of 2 from a triangle that fills the picture. Skewed, so that
-// no entry of the projection may be forgotten.
+// 40 x 20 pixels; the picture extends 1/8 to each side at a distance of 2 from a triangle that fills it. The
+// projection is skewed, so that every entry matters.
 struct CheckScene {
   AnimationJob job;
   AnimationSample sample;
@@ -66,7 +66,7 @@ TEST(CameraCheck, DepthsOffTheObjectAreRefusedByTheirDistance) {
   scene.expect_refused({"animation.toml", "v00_p00", "left", "100 %", "512", "0.01", "0.25", "10 %"});
   scene.job.depth_tolerance = 0.112;  // 0.25 is 0.111 of 2.25
   EXPECT_NEAR(scene.check().distance_median, 0.25, 1e-12);
-  // To a side of the triangle: the whole picture lies beside it.
+  // The camera looks past the triangle, so that the whole picture is outside it.
   scene.job.depth_tolerance = 1.0;
   scene.depth.assign(800, 2.0f);
   for (glm::vec3& p : scene.objects[0].positions) p.x += 1000.0f;
@@ -114,7 +114,7 @@ TEST(CameraCheck, WhatIsNoDepthIsLeftOut) {
     EXPECT_EQ(check.off, 0) << value;
     EXPECT_EQ(check.nan_depths, 1) << value;
   }
-  scene.depth.assign(800, 9.5f);  // nearer than the far plane, so tested, and off
+  scene.depth.assign(800, 9.5f);  // in front of the far plane, hence tested, and wrong
   scene.expect_refused({"100 % of 512"});
   std::vector<float> coverage(800, 0.5f);
   coverage[3] = 1.0f;
@@ -130,7 +130,7 @@ TEST(CameraCheck, AProjectionWithoutFarPlaneSeesAllDepths) {
   EXPECT_EQ(scene.check().tested, 512);
 }
 
-// Every camera of the real field fits its own depths, in both scene files, and none its neighbour's.
+// Every camera of the real field fits its own depths, in both scene files, and no camera fits its neighbour's depths.
 TEST(CameraCheck, CamerasOfTheRealFieldFit) {
   if (shared_field().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder with field_demo1";
   const AnimationJob job = job_for_folder(shared_field());

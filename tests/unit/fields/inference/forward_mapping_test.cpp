@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forward mapping, the baseline of texture inference.
+// Tests forward mapping, the baseline of texture inference.
 #include "host/fields/inference/mapping/forward_mapping.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kSide = 64;
 
-// The unit square, texture coordinates as positions, that fills a picture of kSide pixels exactly, `left` cut off.
+// The unit square with positions as texture coordinates; it fills a picture of kSide pixels except for `left`, which is
+// cut off.
 struct Square {
   ObjectMesh mesh;
   ItemBuffer items;
@@ -43,7 +44,7 @@ struct Square {
   std::vector<float> texels() const { return forward_mapped(mesh, mapping, {{object_to_clip, &items, 0, &layer}}); }
 };
 
-// Pixels on texel centres: every texel is its pixel, its row 0 at the top.
+// Pixel centres are on texel centres: every texel equals its pixel, with row 0 at the top.
 TEST(ForwardMappingTest, PixelsOnTexelsAreKept) {
   const Square square(kSide, [](double u, double v) { return static_cast<float>(0.1 + 0.5 * u + 0.2 * v * v); });
   const std::vector<float> texels = square.texels();
@@ -59,7 +60,7 @@ TEST(ForwardMappingTest, CoarseLevelsAreBoxes) {
   EXPECT_NEAR(texels[static_cast<std::size_t>(3 * (layout.texel_count - 1))], 0.5f, 1e-3f);
 }
 
-// What no pixel reached is filled smoothly from what is beside it.
+// Texels that no pixel reached are filled smoothly from their neighbours.
 TEST(ForwardMappingTest, HolesAreFilled) {
   const Square square(
       40, [](double, double) { return 0.3f; }, kSide / 2);

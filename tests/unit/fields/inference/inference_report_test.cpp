@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of `multum infer` from results made by hand: means are weighted by pixels, held-out samples are apart,
-// errors of frames leave out what they must, and names cannot break the page.
+// Tests the report of `multum infer` on hand-made results. Means are weighted by pixels, held-out samples are reported
+// separately, errors of frames skip incomparable pixels, and names cannot break the page.
 #include "host/fields/inference/report/inference_report.h"
 
 #include <OpenImageIO/imageio.h>
@@ -30,9 +30,9 @@ using testing::part_count;
 using testing::TemporaryFolder;
 
 constexpr const char* kOddName = "<b>&\"";
-constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // as a browser writes text
+constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // as a browser serialises text
 
-// Two views and three lights; a vase of two layers, and an object with an odd name that is never seen.
+// Two views and three lights; a vase with two layers, and an object with an odd name that no view sees.
 struct ReportScene {
   AnimationJob job;
   AnimationInferSettings settings;
@@ -61,7 +61,7 @@ struct ReportScene {
     result.textures = {texture({0, 3}, {10.0, 40.0}, {100.0, 50.0}, {20.0, 80.0}, {false, false}, 7),
                        texture({1, 4}, {1.0, 5.0}, {50.0, 100.0}, {2.0, 10.0}, {false, true}, 11)};
     result.textures[1].converged = false;
-    TextureResult black;  // says nothing of itself and counts for nothing
+    TextureResult black;  // has no figures and counts for nothing
     black.layer = 1;
     black.samples = {2};
     black.is_held_out = {false};
@@ -101,7 +101,7 @@ TEST(InferenceReport, MeansAreOfPixelsAndHeldOutOnesAreApart) {
   ASSERT_EQ(layers.size(), 1u) << "black layers have no summary";
   const LayerSummary& one = layers[0];
   EXPECT_EQ(one.textures, 2);
-  // (10 * 100 + 40 * 50 + 1 * 50) / 200; the mean of the three would be 17.
+  // (10 * 100 + 40 * 50 + 1 * 50) / 200; the unweighted mean of the three would be 17.
   EXPECT_DOUBLE_EQ(one.squared_error, 15.25);
   EXPECT_DOUBLE_EQ(one.pixel_count, 200.0);
   EXPECT_DOUBLE_EQ(one.forward_squared_error, 30.5);
@@ -126,7 +126,7 @@ TEST(InferenceReport, IterationsOfTexturesThatWereThereAreNotKnown) {
 TEST(InferenceReport, JsonHoldsTheFigures) {
   const ReportScene scene;
   const std::string text = inference_report_json(scene.report());
-  EXPECT_EQ(text.find("secret"), std::string::npos) << "folders of the machine are nobody's business";
+  EXPECT_EQ(text.find("secret"), std::string::npos) << "the report must not reveal the machine's folders";
   const nlohmann::json json = nlohmann::json::parse(text);
   EXPECT_EQ(json["job"], "job.toml");
   const nlohmann::json& layer = json["objects"][0]["layers"][0];
@@ -137,7 +137,7 @@ TEST(InferenceReport, JsonHoldsTheFigures) {
   EXPECT_EQ(layer["worst_sample"]["name"], "v1_p0");
   EXPECT_EQ(json["objects"][1]["name"], kOddName);
   EXPECT_TRUE(json["objects"][1]["layers"].empty());
-  EXPECT_TRUE(json["objects"][1]["frames"]["mse"].is_null()) << "never seen is not an error of 0";
+  EXPECT_TRUE(json["objects"][1]["frames"]["mse"].is_null()) << "an unseen object has no error, not an error of 0";
   EXPECT_EQ(json["objects"][0]["frames"]["mse"], (6.0 * 10.0 + 1.0 * 30.0) / 40.0);
   EXPECT_EQ(json["frames"]["mse"], 5.0);
   EXPECT_EQ(json["frames"]["samples"][1]["not_finite_pixels"], 1.0);
@@ -147,7 +147,7 @@ TEST(InferenceReport, JsonHoldsTheFigures) {
   EXPECT_TRUE(json["comparison"]["rows"][0]["mse"][kOddName].is_null());
 }
 
-// Names of objects are keys too where figures are of each.
+// In figures per object, names of objects are keys too.
 void expect_documented(const nlohmann::json& json, const std::string& page, const std::set<std::string>& names) {
   if (json.is_object()) {
     for (const auto& [key, value] : json.items())
@@ -169,7 +169,7 @@ TEST(InferenceReport, EveryKeyIsDocumented) {
   const std::size_t texture = job.find("`[texture]`"), parameter = job.find("`[[parameter]]`: one");
   ASSERT_LT(texture, parameter);
   ASSERT_NE(parameter, std::string::npos);
-  // An object's texture has the job's keys.
+  // An object's texture has the same keys as the job.
   expect_documented(nlohmann::json::parse(inference_report_json(ReportScene().report())),
                     report.substr(begin) + job.substr(texture, parameter - texture), {"vase", kOddName});
 }
@@ -236,12 +236,12 @@ TEST(InferencePage, HasEveryObjectAndEscapesNames) {
   EXPECT_FALSE(contains(page, "src=\"http")) << "refers to nothing outside";
   const nlohmann::json data = testing::page_data(page);
   EXPECT_EQ(data["objects"][1]["name"], kOddName);
-  EXPECT_FALSE(data.contains("textures")) << "thousands of them, which the page does not show";
+  EXPECT_FALSE(data.contains("textures")) << "the page does not show thousands of textures";
   EXPECT_EQ(data["pictures"]["textures"][0]["picture"]["file"], "report/t.png");
   const std::optional<std::string> shown = testing::rendered_page(page);
   if (!shown) GTEST_SKIP() << "no Chromium";
   EXPECT_EQ(part_count(*shown, "<b>&amp;"), 0u);
-  EXPECT_GE(part_count(*shown, kOddNameShown), 3u) << "a heading, a column and a row";
+  EXPECT_GE(part_count(*shown, kOddNameShown), 3u) << "the name is in a heading, a column and a row";
   EXPECT_TRUE(contains(*shown, "bilinear &lt;1&gt;"));
   EXPECT_EQ(part_count(*shown, "<img "), 10u);
   EXPECT_EQ(part_count(*shown, "<img "), part_count(*shown, "alt=\"") - part_count(*shown, "alt=\"\""))
@@ -256,23 +256,23 @@ TEST(InferencePage, HasEveryObjectAndEscapesNames) {
 TEST(InferencePage, ASampleOfTheGridIsOneCell) {
   const ReportScene scene;
   const std::string page = inference_page(scene.report(), {});
-  EXPECT_EQ(testing::page_data(page)["frames"]["samples"][1]["sample"], 5) << "its place on the grid";
+  EXPECT_EQ(testing::page_data(page)["frames"]["samples"][1]["sample"], 5) << "the sample's place on the grid";
   const std::optional<std::string> shown = testing::rendered_page(page);
   if (!shown) GTEST_SKIP() << "no Chromium";
-  // Whole frames and the vase have two samples each; the odd one is seen in none and has no map.
+  // Whole frames and the vase have two samples each; the odd object is unseen and has no map.
   EXPECT_EQ(part_count(*shown, "<rect class=\"cell\""), 4u);
   EXPECT_TRUE(contains(*shown, "<title>v1_p2: MSE 8.00</title>"));
 }
 
-// Five pixels of one row: right, off by a step, not covered by the GL, not a number, covered partly.
+// Five pixels in one row: right, wrong by a step, not covered by the GL, NaN, partly covered.
 TEST(InferenceFrames, PixelsThatCannotBeComparedAreLeftOut) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> traced(15, 1.0f);
   RenderedFrame frame{5, 1, traced, {1.0f, 1.0f, 0.998f, 1.0f, 1.0f}};
   for (std::size_t c = 3; c < 6; ++c) frame.rgb[c] = 0.0f;  // 255 steps
-  for (std::size_t c = 6; c < 9; ++c) frame.rgb[c] = 0.0f;  // as wrong, but not covered
+  for (std::size_t c = 6; c < 9; ++c) frame.rgb[c] = 0.0f;  // wrong too, but not covered
   traced[10] = nan;
-  frame.rgb[12] = 0.0f;  // a third of 255^2, of no object
+  frame.rgb[12] = 0.0f;  // a third of 255^2, in a pixel of no object
   const FrameErrors errors =
       compare_frame(traced, frame, {{1.0f, 1.0f, 1.0f, 1.0f, 0.5f}, std::vector<float>(5, 0.0f)});
   EXPECT_EQ(errors.pixel_count, 3.0);
@@ -288,7 +288,7 @@ TEST(InferenceFrames, PixelsThatCannotBeComparedAreLeftOut) {
 TEST(InferencePictures, TheErrorIsTwentyTimesTheDifferenceOfSrgbSteps) {
   Png8Image a{2, 1, 3, {10, 20, 30, 200, 0, 7}}, b{2, 1, 3, {12, 17, 30, 100, 12, 7}};
   EXPECT_EQ(error_image(a, b).interleaved, (std::vector<std::uint8_t>{40, 60, 0, 255, 240, 0}));
-  // 0.214 is half of white as sRGB codes it: 127.5 of 255.
+  // 0.214 is half of white in sRGB: 127.5 of 255.
   const Png8Image image = srgb_image({0.0f, 1.0f, 2.0f, -1.0f, std::nanf(""), 0.2159f}, 2, 1);
   EXPECT_EQ(image.interleaved, (std::vector<std::uint8_t>{0, 255, 255, 0, 0, 128}));
 }
@@ -299,7 +299,7 @@ TEST(InferencePictures, CutsOutTheBoxOfAnObjectWithAMargin) {
   coverage[5 * 20 + 9] = 1.0f;
   coverage[0] = 0.9f;  // not whole
   const PixelBox box = covered_box(coverage, 20, 12);
-  EXPECT_EQ(box.x, 0);  // 3 less the margin of 4 ends at the picture's edge
+  EXPECT_EQ(box.x, 0);  // 3 minus the margin of 4 is clamped to the picture's edge
   EXPECT_EQ(box.y, 1);
   EXPECT_EQ(box.width, 14);
   EXPECT_EQ(box.height, 11);

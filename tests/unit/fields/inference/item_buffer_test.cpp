@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The item buffer against ray casting, on random triangles, a cube, triangles that cross the near plane, and shared
-// edges through pixel centres.
+// Compares the item buffer with ray casting on random triangles, a cube, triangles that cross the near plane, and
+// shared edges through pixel centres.
 #include "host/fields/inference/mapping/item_buffer.h"
 
 #include <gtest/gtest.h>
@@ -19,10 +19,10 @@ constexpr double kNear = 0.1;
 struct Hit {
   int triangle = -1;
   double depth = std::numeric_limits<double>::infinity();
-  double margin = 0.0;  // smallest barycentric coordinate of all tests, by size: how close the decision was
+  double margin = 0.0;  // smallest |barycentric coordinate| of all tests: how close the decision was
 };
 
-// Moeller and Trumbore 1997, in camera space, through the centre of pixel (x, y).
+// Casts a ray through the centre of pixel (x, y), in camera space (Moeller and Trumbore 1997).
 Hit cast_ray(const ObjectMesh& mesh, const glm::dmat4& projection, int width, int height, int x, int y) {
   const glm::dvec3 direction((2.0 * (x + 0.5) / width - 1.0) / projection[0][0],
                              (1.0 - 2.0 * (y + 0.5) / height) / projection[1][1], -1.0);
@@ -45,7 +45,8 @@ Hit cast_ray(const ObjectMesh& mesh, const glm::dmat4& projection, int width, in
   return best;
 }
 
-// Every pixel agrees with its ray, except where the ray itself is undecided by less than `margin`.
+// Every pixel must agree with its ray, except where the ray's own decision is closer than `margin`; counts these
+// pixels.
 int undecided_pixels(const ObjectMesh& mesh, int width, int height, double margin) {
   const glm::dmat4 projection = glm::perspective(1.0, static_cast<double>(width) / height, kNear, 100.0);
   const ItemBuffer items = draw_item_buffer({{&mesh, glm::dmat4(1.0)}}, projection, width, height);
@@ -89,14 +90,15 @@ TEST(ItemBufferTest, RandomTrianglesAgreeWithRayCasting) {
 }
 
 TEST(ItemBufferTest, ATriangleThroughTheNearPlaneIsCutThere) {
-  // A floor that begins behind the eye and ends in front of it: its lower part fills the picture's bottom rows.
+  // A floor from behind the eye to in front of it covers the picture's bottom rows.
   const ObjectMesh floor = triangles({{-50.0f, -1.0f, 5.0f}, {50.0f, -1.0f, 5.0f}, {0.0f, -1.0f, -60.0f}});
   EXPECT_LT(undecided_pixels(floor, 64, 48, 1e-4), 64);
   const glm::dmat4 projection = glm::perspective(1.0, 64.0 / 48.0, kNear, 100.0);
   const ItemBuffer items = draw_item_buffer({{&floor, glm::dmat4(1.0)}}, projection, 64, 48);
   EXPECT_EQ(items.triangle[47 * 64 + 32], 0);  // bottom row
   EXPECT_EQ(items.triangle[32], -1);           // top row
-  // The ray through row y, tan(0.5) (2 (y + 0.5)/48 - 1) below the axis, meets y = -1 at one over that.
+  // The ray through row y falls tan(0.5) (2 (y + 0.5)/48 - 1) per unit of depth, and meets y = -1 at the inverse of
+  // that.
   EXPECT_NEAR(items.depth[47 * 64 + 32], 1.0 / (std::tan(0.5) * (47.0 / 48.0)), 1e-3);
   const ObjectMesh behind = triangles({{-1.0f, -1.0f, 1.0f}, {1.0f, -1.0f, 1.0f}, {0.0f, 1.0f, 2.0f}});
   for (const std::int32_t object : draw_item_buffer({{&behind, glm::dmat4(1.0)}}, projection, 64, 48).object)
@@ -113,7 +115,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
   const glm::dmat4 projection = glm::perspective(0.8, 1.0, kNear, 100.0);
   const glm::dmat4 at = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -6.0));
   const ItemBuffer front = draw_item_buffer({{&cube, at}}, projection, 100, 100);
-  // Head-on only the face z = +1 is seen, at depth 5 everywhere: triangles 2 and 3.
+  // Head-on, only the face z = +1 is visible, at depth 5 everywhere: triangles 2 and 3.
   const double half = 1.0 / (5.0 * std::tan(0.4)) * 50.0;  // pixels
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -124,7 +126,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
       EXPECT_TRUE(front.triangle[pixel] == 2 || front.triangle[pixel] == 3);
       EXPECT_NEAR(front.depth[pixel], 5.0, 1e-6);
     }
-  // Of two objects the nearer wins, whichever comes first; the top row shows what is up.
+  // The nearer of two objects wins, whichever comes first; the top row shows the upper one.
   const glm::dmat4 nearer = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 1.2, -4.0));
   const ItemBuffer a = draw_item_buffer({{&cube, at}, {&cube, nearer}}, projection, 100, 100);
   const ItemBuffer b = draw_item_buffer({{&cube, nearer}, {&cube, at}}, projection, 100, 100);
@@ -136,8 +138,8 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
 }
 
 TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
-  // Triangles around a centre that lies on a pixel's centre, corners on pixel centres too, in an orthographic picture:
-  // each pixel inside is drawn by exactly one triangle drawn alone.
+  // Triangles around a centre, with all corners on pixel centres, in an orthographic picture. If each triangle is drawn
+  // separately, each inner pixel belongs to exactly one of them.
   constexpr int kSize = 64, kSpokes = 16;
   const glm::dmat4 projection = glm::ortho(0.0, double{kSize}, double{kSize}, 0.0, -1.0, 1.0);  // y downwards
   std::mt19937 random(3);
@@ -155,7 +157,7 @@ TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
     std::vector<glm::vec3> all;
     for (std::size_t i = 0; i < kSpokes; ++i) {
       std::vector<glm::vec3> one = {centre, rim[i], rim[(i + 1) % kSpokes]};
-      if (i % 3 == 0) std::swap(one[1], one[2]);  // either way round
+      if (i % 3 == 0) std::swap(one[1], one[2]);  // tries both orientations
       all.insert(all.end(), one.begin(), one.end());
       const ObjectMesh mesh = triangles(one);
       const ItemBuffer items = draw_item_buffer({{&mesh, glm::dmat4(1.0)}}, projection, kSize, kSize);
@@ -179,7 +181,7 @@ TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
 }
 
 TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
-  // A finely cut wall, tilted: the union of its triangles is the wall as two triangles.
+  // A tilted wall, cut finely: the union of its triangles is the same wall as two triangles.
   const unsigned seed = 11;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -210,11 +212,11 @@ TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
     covered += b.object[i] == 0;
   }
   EXPECT_GT(covered, 4000);
-  EXPECT_LE(different, 2);  // corners on the rim are rounded to 2^-14 of a pixel, each by itself
+  EXPECT_LE(different, 2);  // each corner on the rim is rounded to 2^-14 pixels
 }
 
 TEST(ItemBufferTest, CoverageIsTheShareOfSubPixels) {
-  // Two pixels side by side, 2 x 2 sub-pixels of each.
+  // Two adjacent pixels of 2 x 2 sub-pixels each.
   ItemBuffer items;
   items.width = 4;
   items.height = 2;

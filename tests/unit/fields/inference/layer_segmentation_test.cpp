@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures made of known parts, taken apart again; damaged values; the same bytes from any number of threads.
+// Tests that pictures of known parts are separated into these parts, also with damaged values, and that the bytes do
+// not depend on the number of threads.
 #include "host/fields/inference/mapping/layer_segmentation.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@ namespace {
 
 using Colour = std::array<float, 3>;
 
-// A picture with the coverages of its objects, all of one colour unless changed.
+// A picture with its objects' coverages; all pixels have one colour unless changed.
 struct Picture {
   Picture(int w, int h, std::size_t object_count)
       : width(w),
@@ -47,7 +48,7 @@ void expect_near(const Colour& found, const Colour& expected, float tolerance) {
 
 constexpr Colour kRed{0.8f, 0.1f, 0.0f}, kBlue{0.1f, 0.2f, 0.9f}, kSky{0.3f, 0.6f, 0.7f};
 
-// Object 0 to the left of a slanted edge, object 1 to its right, the background on top.
+// Object 0 left of a slanted edge, object 1 right of it, and the background above.
 Picture two_flat_objects() {
   Picture picture(24, 20, 2);
   for (int y = 0; y < picture.height; ++y)
@@ -92,7 +93,7 @@ TEST(LayerSegmentationTest, WhollyCoveredPixelsKeepTheirBits) {
   EXPECT_EQ(colour_of(layers[0], picture.at(2, 15)), (Colour{0.123f, 0.456f, 0.789f}));
 }
 
-// Values near 0.5 and any coverages, so that no part leaves 0..1.
+// Values near 0.5 with random coverages, so that all parts stay within 0..1.
 Picture random_picture(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> value(0.45f, 0.55f), share(0.0f, 1.0f);
@@ -117,7 +118,7 @@ TEST(LayerSegmentationTest, PartsAddUpToThePicture) {
   const unsigned seed = 21;
   SCOPED_TRACE("seed " + std::to_string(seed));
   Picture picture = random_picture(seed);
-  // Without a background all parts are in the result.
+  // Without a background, the result holds all parts.
   for (std::size_t pixel = 0; pixel < picture.coverages[0].size(); ++pixel) {
     const float covered = picture.coverages[0][pixel] + picture.coverages[1][pixel] + picture.coverages[2][pixel];
     picture.coverages[2][pixel] += 1.0f - covered;
@@ -141,12 +142,12 @@ TEST(LayerSegmentationTest, DamagedPixelsAreRepairedFromTheirObjectAndCounted) {
   Picture picture = two_flat_objects();
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   picture.set(3, 12, {nan, 0.1f, 0.0f});
-  picture.set(11, 12, {nan, 0.1f, 0.0f});  // whole, beside mixed pixels that must not read it
+  picture.set(11, 12, {nan, 0.1f, 0.0f});  // fully covered, next to mixed pixels that must not read it
   picture.set(20, 10, {0.1f, infinity, 0.9f});
   picture.set(20, 11, {0.1f, -infinity, 0.9f});
   picture.set(4, 17, {0.8f, -0.5f, 0.0f});
-  picture.set(5, 17, {0.8f, -0.0005f, 0.0f});  // ringing, not an error
-  picture.set(11, 8, {nan, nan, nan});         // on the edge: of both objects
+  picture.set(5, 17, {0.8f, -0.0005f, 0.0f});  // ringing, which is not an error
+  picture.set(11, 8, {nan, nan, nan});         // on the edge of both objects
   ASSERT_GT(picture.coverages[0][picture.at(11, 8)], 0.1f);
   ASSERT_GT(picture.coverages[1][picture.at(11, 8)], 0.1f);
   SegmentationReport report;
@@ -181,8 +182,8 @@ TEST(LayerSegmentationTest, WhatCannotBeRepairedIsDropped) {
 }
 
 TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundings) {
-  // A wire of half a pixel, half covered everywhere, over a flat wall: what the wall leaves of the pixels is the
-  // wire's.
+  // A wire of half a pixel covers half of each pixel along it, over a flat wall: the part of a pixel that is not the
+  // wall is the wire.
   Picture picture(20, 20, 2);
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) {
@@ -200,16 +201,18 @@ TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundin
   EXPECT_EQ(report.unguided_pixels, 20u);
   const std::size_t pixel = picture.at(10, 7);
   const Colour wall = colour_of(layers[0], pixel), wire = colour_of(layers[1], pixel), b = {0.45f, 0.15f, 0.45f};
-  // m of the wire is the pixel itself: r = b - wall / 2 - b / 2 = (b - wall) / 2, of which both get c / (2 c^2) = 1.
+  // m of the wire is the pixel itself: r = b - wall / 2 - b / 2 = (b - wall) / 2. Both parts get the share c / (2 c^2)
+  // = 1 of r.
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(0.5f * wall[i] + 0.5f * wire[i], b[i], 1e-6f);
-    EXPECT_NEAR(wire[i], b[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f) << "nearer to its own colour than the pixel";
+    EXPECT_NEAR(wire[i], b[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f)
+        << "the wire's colour is closer to its own than the pixel is";
     EXPECT_NEAR(wall[i], kBlue[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f);
   }
 }
 
 TEST(LayerSegmentationTest, TheKernelWidensWhereNothingWholeIsNear) {
-  // The only wholly covered pixel of object 0 is ten pixels off: sigma 4 reaches it, sigma_max 2 does not.
+  // The only fully covered pixel of object 0 is ten pixels away: sigma 4 reaches it, sigma_max 2 does not.
   Picture picture(24, 3, 2);
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 24; ++x) {
@@ -237,7 +240,7 @@ TEST(LayerSegmentationTest, BrightAndNegativePartsAreLimitedAndCounted) {
   const std::vector<ObjectLayer> layers = picture.segment({}, &report);
   EXPECT_EQ(report.clipped_values, 2u);
   EXPECT_EQ(colour_of(layers[0], picture.at(3, 12)), (Colour{1.0f, 0.1f, 1.0f}));
-  // A black pixel on the edge would need negative light from both.
+  // A black pixel on the edge would require negative light from both objects.
   Picture black = two_flat_objects();
   black.set(11, 8, {0.0f, 0.0f, 0.0f});
   const std::vector<ObjectLayer> parts = black.segment({}, &report);
@@ -274,14 +277,14 @@ TEST(LayerSegmentationTest, AnObjectHasALayerOnlyIfSomeOfItIsLit) {
   EXPECT_TRUE(has_radiance(layer, 1.0));
   EXPECT_FALSE(has_radiance(layer, 2.0)) << "the bright pixel is not covered";
   layer.coverage[0] = 0.5f;
-  EXPECT_FALSE(has_radiance(layer, 2.0)) << "nor is half of a silhouette worth anything beside whole pixels";
+  EXPECT_FALSE(has_radiance(layer, 2.0)) << "half a silhouette pixel counts nothing next to whole pixels";
   layer.coverage[1] = 0.0f;
-  EXPECT_TRUE(has_radiance(layer, 1.0)) << "but alone it is";
+  EXPECT_TRUE(has_radiance(layer, 1.0)) << "without whole pixels it counts";
   layer.coverage[0] = 0.0f;
   EXPECT_FALSE(has_radiance(layer, 1.0));
 }
 
-// One bright pixel in a thousand is a layer; traces of compression in as many are not.
+// One bright pixel in a thousand makes a layer; traces of compression in as many pixels do not.
 TEST(LayerSegmentationTest, SmallHighlightsAreALayerAndTracesAreNot) {
   ObjectLayer layer{std::vector<float>(1000, 1.0f), std::vector<float>(3000, 0.0f)};
   layer.rgb[1500] = 1.0f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks, poses and points of grids of parameters, whose samples are made here without files.
+// Tests blocks, poses and points of grids of parameters, with samples made in memory.
 #include "host/fields/inference/mapping/parameter_grid.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,8 @@ namespace {
 
 using Samples = std::vector<int>;
 
-// A camera for each index of parameters named "view...", a thing elsewhere for each index of those named "motion...".
+// Each index of a parameter named "view..." has its own camera; each index of a parameter named "motion..." moves a
+// thing.
 AnimationJob job_of(const std::vector<AnimationParameter>& parameters) {
   AnimationJob job;
   job.parameters = parameters;
@@ -76,7 +77,7 @@ TEST(ParameterGrid, BlocksAreOfNeighboursAndTheLastMayBeShorter) {
   EXPECT_EQ(grid.poses().size(), 5u);
   EXPECT_EQ(grid.poses()[3].block, 1);
 
-  // What does not depend on the view has a texture for each block of views.
+  // A layer that does not depend on the view has one texture per block of views.
   const std::vector<ParameterPoint> lights = grid.points(layer_of({"light"}));
   EXPECT_EQ(names_of(lights),
             (std::vector<std::string>{"view00-01_light00", "view00-01_light01", "view02-03_light00",
@@ -101,7 +102,7 @@ TEST(ParameterGrid, APoseThatComesAgainInAnotherBlockIsAnother) {
   EXPECT_NE(grid.pose_of(3), grid.pose_of(0));
 }
 
-// Every sample is in one point, and points of a block differ from the one before by a step along one parameter.
+// Every sample is in one point. Each point of a block differs from the previous one by one step along one parameter.
 TEST(ParameterGrid, PointsAreWalkedByNeighboursAndMissNothing) {
   const std::vector<std::vector<AnimationParameter>> spaces = {
       {{"view", 3, true}, {"light", 2, false}, {"motion", 4, false}},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texture coordinates for inference on scenes with closed forms: planes head-on and in perspective, cylinders whose
-// seam is seen; stretch against finite differences through ray casting; the gradient of eq. 7 against differences of
-// it.
+// Tests texture coordinates for inference on scenes with closed forms: planes head-on and in perspective, and cylinders
+// with a visible seam. Compares stretch with finite differences through ray casting, and the gradient of eq. 7 with
+// differences of eq. 7.
 #include "host/fields/inference/mapping/texture_coordinates.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ namespace {
 constexpr double kFieldOfView = 1.0;  // vertical, radians
 constexpr int kSize = 320;            // pixels, square pictures
 
-// Cells x cells quads over [-1, 1]^2 in the plane z = 0, u and v from 0 to uv_size.
+// Makes cells x cells quads over [-1, 1]^2 in the plane z = 0, with u and v from 0 to uv_size.
 ObjectMesh plane(int cells, glm::dvec2 uv_size, double uv_angle = 0.0) {
   ObjectMesh mesh;
   for (int y = 0; y <= cells; ++y)
@@ -44,7 +44,8 @@ ObjectMesh plane(int cells, glm::dvec2 uv_size, double uv_angle = 0.0) {
   return mesh;
 }
 
-// Around the y axis, radius 1, y from -1 to 1; u runs once around from `u_start`, the seam faces +z at u_start = 0.
+// Makes a cylinder around the y axis: radius 1, y from -1 to 1. u runs once around from `u_start`; at u_start = 0 the
+// seam faces +z.
 ObjectMesh cylinder(int sides, double u_start) {
   ObjectMesh mesh;
   for (int i = 0; i <= sides; ++i)
@@ -58,7 +59,7 @@ ObjectMesh cylinder(int sides, double u_start) {
   return mesh;
 }
 
-// Views of one object, with the item buffers that they point to.
+// Holds views of one object and the item buffers that they point to.
 class Views {
  public:
   explicit Views(const ObjectMesh& mesh) : mesh_(mesh) {}
@@ -77,7 +78,7 @@ class Views {
 
 glm::dmat4 at_distance(double distance) { return glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -distance)); }
 
-// The distance at which a unit of a plane seen head-on has `pixels` pixels.
+// Returns the distance at which one unit of a plane seen head-on spans `pixels` pixels.
 double distance_for(double pixels) { return 0.5 * kSize / std::tan(0.5 * kFieldOfView) / pixels; }
 
 AnimationTexture settings_for(const char* wrap = "clamp") {
@@ -87,7 +88,8 @@ AnimationTexture settings_for(const char* wrap = "clamp") {
   return texture;
 }
 
-// Where the ray through a point of the screen meets the plane of a triangle: barycentric coordinates by Cramer's rule.
+// Intersects the ray through a point of the screen with a triangle's plane; returns barycentric coordinates by Cramer's
+// rule.
 glm::dvec3 cast(const ObjectMesh& mesh, const MappingView& view, std::size_t triangle, glm::dvec2 screen) {
   const glm::dvec3 ray((2.0 * screen.x / kSize - 1.0) / view.projection[0][0],
                        (1.0 - 2.0 * screen.y / kSize) / view.projection[1][1], -1.0);
@@ -102,10 +104,10 @@ glm::dvec3 cast(const ObjectMesh& mesh, const MappingView& view, std::size_t tri
 
 struct Seen {
   double stretch_max = 0.0;
-  glm::dvec2 low{1e30}, high{-1e30};  // texels from the texture's corner
+  glm::dvec2 low{1e30}, high{-1e30};  // in texels from the texture's corner
 };
 
-// By mapped_corners() and finite differences alone, over all visible pixels.
+// Measures all visible pixels, using only mapped_corners() and finite differences.
 Seen look_at_pixels(const ObjectMesh& mesh, const Views& views, const TextureMapping& mapping) {
   const std::vector<glm::vec2> corners = mapped_corners(mesh.uvs, mesh.indices, mapping);
   Seen seen;
@@ -136,7 +138,8 @@ Seen look_at_pixels(const ObjectMesh& mesh, const Views& views, const TextureMap
   return seen;
 }
 
-// What holds of every mapping: the stretch that it states is the one there is, and nothing visible is outside.
+// Checks properties of every mapping: the stated stretch is the measured one, and no visible point is outside the
+// texture.
 void expect_sound(const ObjectMesh& mesh, const Views& views, const TextureMapping& mapping, double stretch_max) {
   const Seen seen = look_at_pixels(mesh, views, mapping);
   EXPECT_LE(seen.stretch_max, stretch_max * (1.0 + 1e-3));
@@ -209,9 +212,9 @@ TEST(TextureMappingTest, APlaneHeadOnHasTheScreensResolutionOverTheThreshold) {
   for (const int cells : {1, 6}) {
     const ObjectMesh mesh = plane(cells, {1.0, 1.0});
     Views views(mesh);
-    views.add(at_distance(distance_for(100.0)));  // 100 pixels a unit, the plane 200
+    views.add(at_distance(distance_for(100.0)));  // 100 pixels per unit, 200 for the plane
     const TextureMapping mapping = optimise_texture_mapping(mesh, views.views, settings_for());
-    EXPECT_NEAR(mapping.width, 160 + 1, 1) << "and half a texel at each end";
+    EXPECT_NEAR(mapping.width, 160 + 1, 1) << "plus half a texel at each end";
     EXPECT_NEAR(mapping.height, 160 + 1, 1);
     EXPECT_LE(mapping.stretch_max, 1.25 * (1 + 1e-9));
     EXPECT_NEAR(mapping.stretch_max, 1.25, 1.25 / 160);
@@ -236,7 +239,7 @@ TEST(TextureMappingTest, SettingsOfTheResolutionAreKept) {
   texture.side_max = 31;
   const TextureMapping small = optimise_texture_mapping(mesh, views.views, texture);
   EXPECT_EQ(small.width, 31);
-  EXPECT_NEAR(small.stretch_max, 200.0 / 30.0, 1e-3) << "stated as it is, above the threshold";
+  EXPECT_NEAR(small.stretch_max, 200.0 / 30.0, 1e-3) << "the stretch is stated although it exceeds the threshold";
   expect_sound(mesh, views, small, 6.7);
   texture.side_max = 1;
   EXPECT_EQ(optimise_texture_mapping(mesh, views.views, texture).width, 1);
@@ -269,7 +272,7 @@ TEST(TextureMappingTest, PerspectivePlanesHoldTheThresholdAtEveryPixel) {
   for (const int cells : {1, 5}) {
     const ObjectMesh mesh = plane(cells, {3.0, 1.0});
     Views views(mesh);
-    // From low above: one leaves the screen at the near end, the last passes under the eye.
+    // Seen from low above the plane: one view cuts off the near end, and in the last the plane passes under the eye.
     for (const double distance : {2.2, 1.4, 0.9})
       views.add(glm::rotate(
           glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.1, -0.3, -distance)), -1.2, glm::dvec3(1, 0.3, 0)),
@@ -285,7 +288,7 @@ TEST(TextureMappingTest, PerspectivePlanesHoldTheThresholdAtEveryPixel) {
 }
 
 TEST(TextureMappingTest, OnlyWhatIsVisibleTakesTexels) {
-  // Head-on from near: the plane is four times as wide as the screen.
+  // Head-on from near, the plane is four times as wide as the screen.
   const ObjectMesh mesh = plane(1, {1.0, 1.0});
   Views views(mesh);
   views.add(at_distance(distance_for(640.0)));
@@ -295,20 +298,20 @@ TEST(TextureMappingTest, OnlyWhatIsVisibleTakesTexels) {
 }
 
 TEST(TextureMappingTest, ACutThroughTheHiddenSideOfACylinderSavesTexels) {
-  for (const double u_start : {0.0, 0.5, -3.2}) {  // the seam in front, behind, and elsewhere
+  for (const double u_start : {0.0, 0.5, -3.2}) {  // the seam in front, behind, and at another place
     const ObjectMesh mesh = cylinder(48, u_start);
     Views views(mesh);
     views.add(at_distance(5.0));
     const TextureMapping cut = optimise_texture_mapping(mesh, views.views, settings_for("periodic"));
     const TextureMapping uncut = optimise_texture_mapping(mesh, views.views, settings_for("clamp"));
     EXPECT_TRUE(cut.has_cut[0]);
-    EXPECT_FALSE(cut.has_cut[1]) << "v ends at 0 and 1, where nothing joins";
+    EXPECT_FALSE(cut.has_cut[1]) << "v ends at 0 and 1 without a seam";
     EXPECT_EQ(cut.wrap_s, WrapMode::kClamp);
     EXPECT_EQ(cut.wrap_t, WrapMode::kClamp);
-    // With the seam in front, coordinates are seen at both ends of the period, and nearly all of it is spent.
+    // With the seam in front, both ends of the period are visible, and the texture spends nearly the whole period.
     EXPECT_LE(cut.width * cut.height, (u_start == 0.0 ? 0.6 : 1.02) * uncut.width * uncut.height);
     expect_sound(mesh, views, cut, 1.25);
-    // No triangle is torn: each keeps its shape, and a visible one lies inside the texture whole in s.
+    // No triangle is torn: each keeps its shape, and the s range of a visible one is inside the texture.
     const std::vector<glm::vec2> corners = mapped_corners(mesh.uvs, mesh.indices, cut);
     for (std::size_t i = 0; i < corners.size(); i += 3)
       for (const std::size_t k : {i + 1, i + 2}) {
@@ -338,7 +341,7 @@ TEST(TextureMappingTest, ADirectionSeenAllAroundKeepsItsPeriod) {
   EXPECT_EQ(mapping.linear[0][1], 0.0);
   EXPECT_EQ(mapping.linear[1][0], 0.0);
   EXPECT_EQ(mapping.offset.x, 0.0);
-  // Nearest to the eye, at distance 4, a unit has 0.5 size / tan / 4 pixels, and 2 pi units are one period.
+  // At the nearest point, at distance 4, a unit has 0.5 size / tan / 4 pixels, and 2 pi units are one period.
   const double pixels = 0.5 * kSize / std::tan(0.5 * kFieldOfView) / 4.0;
   EXPECT_NEAR(mapping.width, 2 * std::numbers::pi * pixels / 1.25, 0.02 * mapping.width);
   expect_sound(mesh, views, mapping, 1.25);
@@ -372,7 +375,7 @@ TEST(TextureMappingTest, TrianglesThatAreALineInTheTextureAreCountedAndHarmless)
   Views views(mesh);
   views.add(at_distance(distance_for(100.0)));
   const TextureMapping before = optimise_texture_mapping(mesh, views.views, settings_for());
-  // One triangle more in front of the plane, whose corners have one texture coordinate.
+  // An extra triangle in front of the plane, with one texture coordinate at all corners.
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const glm::vec3 p :
        {glm::vec3(-0.1f, 0.0f, 0.01f), glm::vec3(0.1f, 0.0f, 0.01f), glm::vec3(0.0f, 0.1f, 0.01f)}) {
@@ -387,7 +390,7 @@ TEST(TextureMappingTest, TrianglesThatAreALineInTheTextureAreCountedAndHarmless)
   EXPECT_EQ(after.width, before.width);
   EXPECT_EQ(after.height, before.height);
   EXPECT_TRUE(std::isfinite(after.stretch_max));
-  for (glm::vec2& uv : mesh.uvs) uv = glm::vec2(0.25f);  // nothing else is left
+  for (glm::vec2& uv : mesh.uvs) uv = glm::vec2(0.25f);  // leaves no other triangle
   const TextureMapping nothing = optimise_texture_mapping(mesh, after_views.views, settings_for());
   EXPECT_EQ(nothing.degenerate_pixels, nothing.visible_pixels);
   EXPECT_GE(nothing.width, 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter matrix's file: what is written comes back, byte for byte as docs/reference/inferred_textures.md says;
-// every kind of damage is refused by name. One refusal is not reached: "cannot be read completely" takes a disk that
-// fails between two reads.
+// Tests the filter matrix's file: it reads back byte for byte as docs/reference/inferred_textures.md says, and every
+// kind of damage is refused by name. The refusal of an incomplete read is not tested: it needs a disk that fails
+// between two reads.
 #include "host/fields/inferred/filter_matrix.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
 
-// 3 rows of a 4 x 3 picture; a texture of 5 x 3 has 18 texels. The row in the middle is empty.
+// 3 rows of a 4 x 3 picture; a texture of 5 x 3 has 18 texels. The middle row is empty.
 FilterMatrix small_matrix() {
   FilterMatrix m;
   m.width = 4;
@@ -99,7 +99,7 @@ TEST(FilterMatrixTest, AnObjectOutOfSightHasNoRows) {
   expect_same(read_filter_matrix(folder / "a.filter"), matrix);
 }
 
-// CRC-64/XZ bit by bit: x^64 + x^62 + ... of ECMA-182, reflected, all ones before and after.
+// Computes CRC-64/XZ bit by bit: x^64 + x^62 + ... of ECMA-182, reflected, all ones before and after.
 std::uint64_t crc64_xz(const std::string& bytes) {
   std::uint64_t value = ~std::uint64_t{0};
   for (const char byte : bytes) {
@@ -109,7 +109,7 @@ std::uint64_t crc64_xz(const std::string& bytes) {
   return ~value;
 }
 
-// A file in three parts, to be put together wrong.
+// A file in three parts, to be joined wrongly.
 struct Parts {
   std::string first_line = "multum filter matrix 1";
   nlohmann::json header;
@@ -175,7 +175,7 @@ class FilterMatrixRefusalTest : public ::testing::Test {
     parts.insert(parts.end(), words.begin(), words.end());
     expect_error(ErrorCode::kInput, parts, [&] { read_filter_matrix(path); });
   }
-  // Of a matrix that was written as it is: its checksum is right.
+  // The changed matrix is written normally, so that its checksum is right.
   void refuse_matrix(const std::function<void(FilterMatrix&)>& change, const std::string& words) const {
     FilterMatrix matrix = small_matrix();
     change(matrix);
@@ -241,7 +241,7 @@ TEST_F(FilterMatrixRefusalTest, FilesCutShort) {
   refuse_bytes(bytes + "x", {"cut short", "81 bytes", "80", "3 rows", "5 entries"});
   refuse_header("rows", 4, {"92", "4 rows", "5 entries"});
   refuse_header("entries", 4, {"72", "3 rows", "4 entries"});
-  // Sizes that would overflow, or take all memory.
+  // Sizes that would overflow or take all memory.
   for (const char* key : {"rows", "entries"})
     for (const std::uint64_t count : {std::uint64_t{1} << 31, (std::uint64_t{1} << 31) + 1, std::uint64_t{1} << 62,
                                       std::numeric_limits<std::uint64_t>::max()})
@@ -289,7 +289,7 @@ TEST(MatrixMarketTest, TheTextHoldsTheSameEntries) {
     ASSERT_TRUE(std::getline(text, line));
     comments += line + "\n";
   }
-  // The line's end in the renderer's name would have ended the comment.
+  // A line break in the renderer's name would end the comment.
   for (const char* words : {"4 x 3", "'object'", "'view ü'", "5 x 3", "software \"1\"", "renderer 2\n"})
     EXPECT_NE(comments.find(words), std::string::npos) << words << " is not in\n" << comments;
   std::size_t rows = 0, columns = 0, entries = 0;
@@ -304,7 +304,7 @@ TEST(MatrixMarketTest, TheTextHoldsTheSameEntries) {
       ASSERT_TRUE(text >> row >> column >> value);
       EXPECT_EQ(row, r + 1);
       EXPECT_EQ(column, matrix.columns[i] + 1);
-      EXPECT_EQ(std::strtof(value.c_str(), nullptr), matrix.weights[i]) << "nine digits name a float";
+      EXPECT_EQ(std::strtof(value.c_str(), nullptr), matrix.weights[i]) << "nine digits identify a float";
     }
   EXPECT_FALSE(text >> line) << line;
 }
@@ -322,7 +322,7 @@ TEST(FilterMatrixTest, NothingStaysOfWhatCannotBeWritten) {
   EXPECT_EQ(folder.names(), Names{});
   write_filter_matrix(matrix, folder / "a.filter");
   const auto size = static_cast<rlim_t>(std::filesystem::file_size(folder / "a.filter"));
-  // A disk that is full: files of this process cannot grow beyond. What was there before is kept.
+  // A limit of file sizes acts like a full disk; the earlier file is kept.
   write_bytes(folder / "a.filter", "old");
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{100}, size - 1}) {
     const testing::FileLimit full(bytes);

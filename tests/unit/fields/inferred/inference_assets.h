@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assets of texture inference whose every field differs from its default and from its neighbours', and the comparison
-// of every field.
+// Makes assets of texture inference whose fields all differ from their defaults and from each other, and compares every
+// field.
 #pragma once
 
 #include <functional>
@@ -48,7 +48,7 @@ inline void expect_same(const TextureMapping& found, const TextureMapping& expec
   EXPECT_EQ(found.degenerate_pixels, expected.degenerate_pixels);
 }
 
-/// 16 different numbers, none of which has a short decimal.
+/// Returns 16 different numbers without short decimals.
 inline glm::dmat4 unusual_matrix(double seed) {
   glm::dmat4 m;
   for (int c = 0; c < 4; ++c)
@@ -56,8 +56,8 @@ inline glm::dmat4 unusual_matrix(double seed) {
   return m;
 }
 
-/// Calls `visit` with the place of every key below `json`, and of everything in its arrays. Matrices, mappings and the
-/// like are entered too.
+/// Calls `visit` with the place of every key below `json` and of every array element, including those in matrices,
+/// mappings and similar objects.
 inline void for_each_place(const nlohmann::json& json, const nlohmann::json::json_pointer& place,
                            const std::function<void(const nlohmann::json::json_pointer&)>& visit) {
   if (!json.is_structured()) return;
@@ -68,7 +68,7 @@ inline void for_each_place(const nlohmann::json& json, const nlohmann::json::jso
   }
 }
 
-/// Damages a file of JSON in every place, one at a time: `read` must refuse each, naming the file. What lies in objects
+/// Damages a JSON file in every place, one at a time: `read` must refuse each and name the file. Values in objects
 /// called one of `names` may be missing.
 inline void expect_damage_is_refused(const std::string& path, const std::string& kind,
                                      const std::set<std::string>& names,
@@ -78,7 +78,7 @@ inline void expect_damage_is_refused(const std::string& path, const std::string&
   for_each_place(whole, nlohmann::json::json_pointer(), [&](const nlohmann::json::json_pointer& place) {
     SCOPED_TRACE(place.to_string());
     const auto above = place.parent_pointer();
-    const bool is_name = !above.empty() && names.count(above.back()) > 0;  // any names of objects do, and none
+    const bool is_name = !above.empty() && names.count(above.back()) > 0;  // objects may have any names, or be missing
     if (whole.at(above).is_object() && !is_name) {
       nlohmann::json missing = whole;
       missing.at(above).erase(place.back());
@@ -86,7 +86,7 @@ inline void expect_damage_is_refused(const std::string& path, const std::string&
       expect_error(ErrorCode::kInput, {path + ": " + kind, "'" + place.back() + "' not found"}, [&] { read(path); });
       ++missing_count;
     }
-    nlohmann::json wrong = whole;  // text for numbers, reference values, lists and objects; a list for text
+    nlohmann::json wrong = whole;  // text instead of numbers, references, lists and objects; a list instead of text
     if (whole.at(place).is_string()) wrong.at(place) = {1};
     else wrong.at(place) = "1";
     write_bytes(path, wrong.dump());
@@ -105,7 +105,7 @@ inline void expect_damage_is_refused(const std::string& path, const std::string&
   EXPECT_NO_THROW(read(path)) << "as it was";
 }
 
-/// Sets one value of a file of JSON, for as long as `body` takes.
+/// Sets one value of a JSON file while `body` runs.
 inline void with_value(const std::string& path, const std::string& place, const nlohmann::json& value,
                        const std::function<void()>& body) {
   const std::string before = read_bytes(path);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The probe request and the manifest of inferred textures: what is written comes back, what is wrong is refused by
-// name.
+// Tests the probe request and the manifest of inferred textures: they read back equal, and errors are refused by name.
 #include <gtest/gtest.h>
 
 #include "host/fields/inferred/inference_error.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inferred textures on disk: halfs come back exactly, at every level of any size; files that are none of ours are
-// refused by name, and say nothing of where they come from.
+// Tests inferred textures on disk: half floats read back exactly, at every level and size. Foreign files are refused by
+// name, and no file reveals where it comes from.
 #include "host/fields/inferred/inferred_texture.h"
 
 #include <ImfChannelList.h>
@@ -28,7 +28,7 @@ using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
 
-// Halfs of every size, the first of them special: zeros of both signs, the largest, the least of all.
+// Half floats of every size; the first are special: zeros of both signs, the largest, and the smallest.
 InferredTexture random_texture(int width, int height) {
   InferredTexture texture{width, height, {}, "{\"seed\": \"" + std::to_string(width) + "\"}"};
   SplitMix64 random(static_cast<std::uint64_t>(1000 * width + height));
@@ -64,7 +64,7 @@ TEST_P(InferredTextureSizeTest, EveryHalfOfEveryLevelComesBack) {
   EXPECT_EQ(std::memcmp(found.texels.data(), texture.texels.data(), 4 * found.texels.size()), 0) << "every bit";
 }
 
-// As a stranger reads it, by the library alone.
+// Reads the file like a third party, using only the library.
 TEST_P(InferredTextureSizeTest, TheFileIsAsTheFormatPageSays) {
   const auto [width, height] = GetParam();
   const TemporaryFolder folder;
@@ -112,7 +112,7 @@ TEST(InferredTextureTest, OtherFloatsAreRoundedToHalfsAndStayFinite) {
   EXPECT_EQ(found.provenance, "");
 }
 
-// ---- Files that are none of ours
+// ---- Foreign files
 
 struct Foreign {
   Imf::LevelMode mode = Imf::MIPMAP_LEVELS;
@@ -123,7 +123,7 @@ struct Foreign {
   int width = 9, height = 5;
 };
 
-// Zeros, by the library itself.
+// Writes zeros by the library itself.
 void write_foreign(const Foreign& foreign, const std::string& path) {
   const Imath::Box2i window({foreign.left, foreign.top},
                             {foreign.left + foreign.width - 1, foreign.top + foreign.height - 1});

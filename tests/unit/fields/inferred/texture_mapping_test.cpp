@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where texels lie in the list of a pyramid, and where an object's own texture coordinates lie in its texture.
+// Tests the places of texels in the list of a pyramid, and of an object's own texture coordinates in its texture.
 #include "host/fields/inferred/texture_mapping.h"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ TEST(CutShiftTest, EveryDirectionIsCutByItself) {
   EXPECT_EQ(cut_shift(uvs, {0, 1, 2}, 0, mapping), glm::dvec2(0.0, -3.0));
 }
 
-// Values are eighths: exact in single and in double precision.
+// All values are multiples of 1/8, which are exact in single and double precision.
 TEST(CutShiftTest, TrianglesLandInThePeriodAboveTheCut) {
   for (int eighths = -24; eighths <= 24; ++eighths)
     for (const double cut : {-1.25, 0.0, 0.5, 3.875}) {
@@ -92,24 +92,24 @@ TEST(CutShiftTest, TrianglesLandInThePeriodAboveTheCut) {
     }
 }
 
-// The seam of a cylinder: a vertex at the cut belongs to the end of one triangle and to the beginning of another.
+// The seam of a cylinder: a vertex on the cut belongs to the end of one triangle and to the beginning of another.
 TEST(CutShiftTest, AVertexOnTheCutGoesWithItsTriangle) {
   const std::vector<glm::vec2> uvs = {{0.25f, 0.0f}, {0.25f, 1.0f}, {0.125f, 0.0f}, {0.375f, 0.0f}};
   TextureMapping mapping = cut_at(0.25, 0.0);
   mapping.has_cut = {true, false};
   const std::vector<glm::vec2> corners = mapped_corners(uvs, {0, 1, 2, 0, 1, 3}, mapping);
   ASSERT_EQ(corners.size(), 6u);
-  EXPECT_EQ(corners[0], glm::vec2(1.25f, 0.0f)) << "of the triangle left of the cut: one period on";
+  EXPECT_EQ(corners[0], glm::vec2(1.25f, 0.0f)) << "the triangle left of the cut moves by one period";
   EXPECT_EQ(corners[2], glm::vec2(1.125f, 0.0f));
-  EXPECT_EQ(corners[3], glm::vec2(0.25f, 0.0f)) << "of the triangle right of it: as it is";
+  EXPECT_EQ(corners[3], glm::vec2(0.25f, 0.0f)) << "the triangle right of the cut stays";
   EXPECT_EQ(corners[5], glm::vec2(0.375f, 0.0f));
 }
 
 TEST(CutShiftTest, AcrossTheCutTheMiddleOfTheExtentDecides) {
   TextureMapping mapping = cut_at(1.0, 0.0);
   mapping.has_cut = {true, false};
-  // From 0.75 to 1.125 the middle is left of the cut, from 0.875 to 1.25 right of it; the vertices' mean would be
-  // right of it and left of it.
+  // The middle of 0.75 to 1.125 is left of the cut, and that of 0.875 to 1.25 is right of it. The vertices' means are
+  // on the opposite sides.
   const std::vector<glm::vec2> left = {{0.75f, 0.0f}, {1.125f, 0.0f}, {1.125f, 1.0f}};
   const std::vector<glm::vec2> right = {{0.875f, 0.0f}, {0.875f, 1.0f}, {1.25f, 0.0f}};
   EXPECT_EQ(cut_shift(left, {0, 1, 2}, 0, mapping).x, 1.0);

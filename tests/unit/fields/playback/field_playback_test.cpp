@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is decoded while a field is played: what a point needs adds up to its textures, memory stays within its limit
-// however one wanders, coarse images come first, what has outlived its time goes, damage costs its chunk alone.
+// Tests decoding during playback: the images of a point add up to its textures, memory stays within its limit on every
+// path, and coarse images come first. Unused images are dropped after a time, and damage loses only its own chunk.
 #include "host/fields/playback/field_playback.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ float half_value(std::uint16_t bits) {
   return bits >> 15 != 0 ? -size : size;
 }
 
-/// Keeps the images that were "uploaded", as who draws them would.
+/// Keeps the "uploaded" images, as a player that draws them would.
 class PlaybackTest : public ::testing::Test {
  protected:
   PlaybackTest() : description_(testing::small_description()), chunks_(testing::small_chunks(description_)) {
@@ -38,7 +38,7 @@ class PlaybackTest : public ::testing::Test {
     uploaded_[key] = playback.decoded(key);
     playback.uploaded(key);
   }
-  /// All that the frame needs; false where memory does not suffice.
+  /// Decodes everything that the frame needs; returns false if memory does not suffice.
   bool decode_all(FieldPlayback& playback) {
     while (true) {
       playback.request();
@@ -90,7 +90,7 @@ TEST_F(PlaybackTest, ImagesAddUpToTheTexturesOfEverySample) {
       const auto expected = chunk->texture(description_.layers[l].blocks[block].chunk_sample(at));
       const auto found = sum(need);
       ASSERT_EQ(found.size(), expected.size());
-      // Halves of values up to 255, each rounded by 1/16 at most; of differences less.
+      // Half floats of values up to 255 round by at most 1/16 each, and differences by less.
       for (std::size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], expected[i], 0.1f) << l << " of " << s;
     }
   }
@@ -101,7 +101,7 @@ TEST_F(PlaybackTest, ImagesAddUpToTheTexturesOfEverySample) {
 TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
   PackedFieldFile file(path());
   const auto playback = open();
-  // Between views 3 and 4, where the ground's blocks meet, and the board stays one size.
+  // Between views 3 and 4, where the ground's blocks meet; the board keeps its size.
   playback->begin_frame(sample_shares(description_.grid, {3.25, 1.5}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   for (const std::size_t l : {1u, 2u}) {
@@ -115,7 +115,7 @@ TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
     for (std::size_t i = 0; i < a.size(); ++i)
       ASSERT_NEAR(found[i], 0.375f * (a[i] + b[i]) + 0.125f * (c[i] + d[i]), 0.2f) << l;
   }
-  // Between views 2 and 3 the board changes its size: the nearest alone counts.
+  // Between views 2 and 3 the board changes its size: only the nearest view counts.
   playback->begin_frame(sample_shares(description_.grid, {2.25, 1.0}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   const std::size_t block = description_.layers[2].block_at({2, 1});
@@ -145,8 +145,8 @@ TEST_F(PlaybackTest, AfterAJumpSumsComeFirstAndThenTheirImages) {
       }
     };
     check();
-    EXPECT_EQ(playback->need(1).images.size(), 1u) << "one image stands for the sum";
-    do {  // the images come nevertheless: frames nearby will need them
+    EXPECT_EQ(playback->need(1).images.size(), 1u) << "one image represents the sum";
+    do {  // the images arrive anyway, because nearby frames will need them
       for (const ImageKey& key : playback->decoded_ahead()) upload(*playback, key);
       playback->request();
     } while (playback->wait());
@@ -174,7 +174,7 @@ TEST_F(PlaybackTest, WholeTexturesAreThoseOfUnpacking) {
       const LayerNeed need = playback->need(l);
       ASSERT_EQ(need.images.size(), 1u);
       ASSERT_TRUE(need.is_decoded);
-      if (playback->state(need.images[0].key) == ImageState::kUploaded) continue;  // as diffuse ones of sample 6
+      if (playback->state(need.images[0].key) == ImageState::kUploaded) continue;  // the diffuse image of sample 6
       const DecodedImage& found = playback->decoded(need.images[0].key);
       EXPECT_EQ(playback->object_of(need.images[0].key).mapping, need.mapping);
       ASSERT_EQ(found.halves.size() / 4, expected.size() / 3);
@@ -194,7 +194,7 @@ TEST_F(PlaybackTest, ForgettingAllBeginsAnew) {
     for (int round = 1; round <= 3; ++round) {
       playback->begin_frame(one(7), {one(8), one(20)});
       playback->request();
-      if (round == 2) playback->forget_all();  // while workers are at it
+      if (round == 2) playback->forget_all();  // while workers are busy
       playback->begin_frame(one(7), {});
       do {
         playback->request();
@@ -213,7 +213,7 @@ TEST_F(PlaybackTest, ForgettingAllBeginsAnew) {
 TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   PlaybackSettings settings;
   settings.memory_max = std::size_t{4} << 20;
-  const std::size_t drawing = settings.memory_max - 1600000;  // what is left holds some of all
+  const std::size_t drawing = settings.memory_max - 1600000;  // the rest holds only some images
   for (const int threads : {1, 3}) {
     settings.threads = threads;
     const auto playback = open(settings);
@@ -241,7 +241,7 @@ TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   }
 }
 
-// What once found no room is no reason to keep a chunk for ever.
+// A chunk whose images once did not fit into memory is dropped like any other.
 TEST_F(PlaybackTest, WhatFoundNoRoomIsForgottenToo) {
   const auto bytes_in_the_end = [&](FieldPlayback& playback) {
     for (int frame = 0; frame < 4000; ++frame) {
@@ -285,7 +285,7 @@ TEST_F(PlaybackTest, CoarseImagesComeFirst) {
   settings.threads = 1;
   const auto playback = open(settings);
   playback->begin_frame(one(6), {one(7), one(23)});
-  std::vector<std::size_t> orders;  // in which the frame's images came
+  std::vector<std::size_t> orders;  // in which the frame's images arrived
   std::set<ImageKey> seen;
   while (true) {
     playback->request();
@@ -299,7 +299,7 @@ TEST_F(PlaybackTest, CoarseImagesComeFirst) {
     if (!playback->wait()) break;
   }
   ASSERT_GT(orders.size(), 6u);
-  // Chunks are decoded one after another, and the images of those that are there may be ahead of other chunks.
+  // Chunks are decoded one after another, and images of decoded chunks may come before other chunks.
   EXPECT_EQ(orders.front(), 0u);
   EXPECT_GT(orders.back(), 0u);
   EXPECT_FALSE(playback->decoded_ahead().empty());
@@ -321,7 +321,7 @@ TEST_F(PlaybackTest, ImagesAreForgottenByTheirLevels) {
     for (std::size_t i = 0; i < 3; ++i)
       if (gone[i] == 0 && playback->state(keys[i]) == ImageState::kAbsent) gone[i] = frame;
   }
-  // Last used in frame 0; a b^l frames later it is still there: 2 4^2, 2 4, 2.
+  // The images were last used in frame 0; each stays for a b^l frames: 2 4^2, 2 4, 2.
   EXPECT_EQ(gone, (std::vector<int>{33, 9, 3}));
 }
 
@@ -336,13 +336,13 @@ TEST_F(PlaybackTest, WhatNobodyWantsIsCancelled) {
   const PlaybackCounts counts = playback->counts();
   EXPECT_GT(counts.cancelled, 0u);
   playback->begin_frame(one(13), {});
-  EXPECT_TRUE(decode_all(*playback)) << "and all is there again when it is wanted";
+  EXPECT_TRUE(decode_all(*playback)) << "everything is decoded again if it is needed";
 }
 
 TEST_F(PlaybackTest, ADamagedChunkCostsItsBlockAlone) {
   auto chunks = chunks_;
   chunks[2].bytes[chunks[2].bytes.size() / 2] ^= 0x55;  // the ground's second layer, views 4 and 5
-  chunks[2].bytes.resize(chunks[2].bytes.size() / 2);   // with a checksum that is right
+  chunks[2].bytes.resize(chunks[2].bytes.size() / 2);   // with a valid checksum
   testing::write_packed(description_, chunks, path());
   const auto playback = open();
   for (const std::size_t sample : {0u, 23u, 3u}) {
@@ -365,7 +365,7 @@ TEST_F(PlaybackTest, StrangersBytesNeverExceedMemoryNorHang) {
     auto chunks = chunks_;
     for (auto& chunk : chunks)
       if (round % 2 == 0) chunk.bytes = damaged(chunk.bytes, random);
-      else chunk.bytes[random.next() % 40] = static_cast<std::uint8_t>(random.next());  // of the head
+      else chunk.bytes[random.next() % 40] = static_cast<std::uint8_t>(random.next());  // in the head
     testing::write_packed(description_, chunks, path());
     const auto playback = open(settings);
     for (const std::size_t sample : {0u, 10u, 23u}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points between samples: shares of samples, cameras that turn, places that keep their sizes.
+// Tests points between samples: shares of samples, cameras that turn, and objects whose textures keep their sizes.
 #include "host/fields/playback/field_point.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(FieldPoint, NearestAndLinearShares) {
 }
 
 TEST(FieldPoint, CamerasTurnAboutTheirEye) {
-  // A camera that circles an object and zooms: half way it is turned by half the angle, and looks from between.
+  // A camera that circles an object and zooms: halfway it has turned by half the angle and looks from a point between.
   const auto camera = [](double degrees, double fov) {
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), glm::radians(degrees), glm::dvec3(0.0, 1.0, 0.0));
     const glm::dmat4 view = glm::translate(turned, glm::dvec3(-3.0, -1.0, 2.0));
@@ -53,7 +53,7 @@ TEST(FieldPoint, CamerasTurnAboutTheirEye) {
   expect_near(camera_between(camera(10.0, 40.0), camera(50.0, 40.0), 0.25), camera(20.0, 40.0), 1e-9);
   expect_near(camera_between(camera(10.0, 40.0), camera(50.0, 60.0), 0.0), camera(10.0, 40.0), 1e-9);
   expect_near(camera_between(camera(10.0, 40.0), camera(50.0, 60.0), 1.0), camera(50.0, 60.0), 1e-9);
-  // Eyes go straight.
+  // The eye moves in a straight line.
   const auto from = glm::lookAt(glm::dvec3(0, 0, 5), glm::dvec3(0), glm::dvec3(0, 1, 0));
   const auto to = glm::lookAt(glm::dvec3(4, 0, 3), glm::dvec3(0), glm::dvec3(0, 1, 0));
   const glm::dmat4 lens = glm::perspective(0.7, 1.0, 0.1, 50.0);
@@ -61,7 +61,7 @@ TEST(FieldPoint, CamerasTurnAboutTheirEye) {
   const glm::dvec4 eye = glm::inverse(half) * glm::dvec4(0, 0, 0, 1);
   EXPECT_NEAR(eye.x, 2.0, 1e-6);
   EXPECT_NEAR(eye.z, 4.0, 1e-6);
-  // No camera: linearly.
+  // Matrices that are not cameras are interpolated linearly.
   expect_near(camera_between(glm::dmat4(1.0), glm::dmat4(3.0), 0.5), glm::dmat4(2.0), 1e-12);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths as text: what expressions are worth, and what is refused with which words.
+// Tests paths as text: the values of expressions, and the messages of refusals.
 #include "host/fields/playback/parameter_path.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths that the browser's player recorded: where they go, in the same way as tests/player/modules_test.mjs has of the
-// same file, and what is refused with which words.
+// Tests paths that the browser's player recorded: they give the same points as in tests/player/modules_test.mjs, and
+// refusals have the expected messages.
 #include "host/fields/playback/recorded_path.h"
 
 #include <gtest/gtest.h>

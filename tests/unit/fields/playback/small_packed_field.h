@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A packed field made here, whose textures are waves: two objects, one of which changes its texture's size half way
-// through the views, layers of pyramids and of bases, of both coders.
+// Makes a packed field whose textures are waves. The field has two objects, and layers of pyramids and bases in both
+// coders. One object changes its texture's size halfway through the views.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ inline InferredObject small_object(const std::string& name, std::vector<std::arr
   return object;
 }
 
-/// Layers: 0 ground's diffuse (of lights alone), 1 ground's glossy, two blocks of views, 2 board's glossy, one block a
-/// size; sample 0 has no texture of it.
+/// Layer 0 is the ground's diffuse layer, which depends only on lights. Layer 1 is the ground's glossy layer in two
+/// blocks of views. Layer 2 is the board's glossy layer with one block per size. Sample 0 has no texture of layer 2.
 inline FieldDescription small_description() {
   FieldDescription description;
   InferredManifest& field = description.field;

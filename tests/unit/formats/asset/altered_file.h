@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder with a good baked file, and bad ones made from it; portions of rows in which a writer gets a file.
+// Makes a folder with a good baked file and damaged copies; hands rows to a writer in portions.
 #pragma once
 
 #include <ImfChannelList.h>
@@ -34,8 +34,8 @@ class AlteredFile {
     return bad;
   }
 
-  /// Builds the good file anew, its parts chosen by `order` and their headers changed; pixels are those of parts whose
-  /// channels stay. Returns the bad file's path.
+  /// Rebuilds the good file with parts chosen by `order` and changed headers; parts keep their pixels if their channels
+  /// stay. Returns the bad file's path.
   std::string rebuilt(const std::vector<int>& order, const std::function<void(Imf::Header&)>& change) const {
     Imf::MultiPartInputFile in(good.c_str());
     std::vector<Imf::Header> headers;
@@ -56,8 +56,8 @@ class AlteredFile {
   const std::string good = folder / "good.exr", bad = folder / "bad.exr";
 };
 
-/// Hands a mipmap to a writer in portions of 0 to 49 rows that cut across rows of tiles, levels in turn.
-/// `rows_of(level, row, count)` are rows of a level.
+/// Hands a mipmap to a writer in portions of 0 to 49 rows that cut across rows of tiles, with levels in turn.
+/// `rows_of(level, row, count)` returns rows of a level.
 template <typename Writer, typename Mipmap, typename RowsOf>
 void write_in_portions(Writer& writer, const Mipmap& mipmap, const RowsOf& rows_of) {
   std::mt19937 random(1);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked files with a damaged chunk: whoever reads one gets what was baked, all of it, or a refusal that names the
-// place.
+// Tests baked files with a damaged chunk: a reader gets all of the baked data or a refusal that names the place.
 #include <ImfChannelList.h>
 #include <ImfHeader.h>
 #include <ImfStringAttribute.h>
@@ -37,7 +36,7 @@ std::string number_bytes(std::int64_t value, std::size_t bytes) {
   return text;
 }
 
-// A good file of 40 x 24 with tiles of 16 x 16, and bad ones made from it.
+// Makes a good file of 40 x 24 with tiles of 16 x 16, and bad files from it.
 class DamagedChunkTest : public ::testing::TestWithParam<const char*> {
  protected:
   DamagedChunkTest() {
@@ -82,7 +81,8 @@ class DamagedChunkTest : public ::testing::TestWithParam<const char*> {
 
 INSTANTIATE_TEST_SUITE_P(Compressions, DamagedChunkTest, ::testing::Values("none", "rle", "zips", "zip:1", "piz"));
 
-// Parts: the finest, two lobes, two colours. Of part 1, chunk 2 is tile (0, 0) of level 2: level 1 has two tiles.
+// Parts: the finest level, two lobes, two colours. In part 1, chunk 2 is tile (0, 0) of level 2, since level 1 has two
+// tiles.
 constexpr char kPlace[] = "part lobe.0, level 2, tile (0, 0)";
 
 TEST_P(DamagedChunkTest, SizesThatCannotBe) {
@@ -117,29 +117,29 @@ TEST_P(DamagedChunkTest, OffsetsOfNoTile) {
 }
 
 TEST_P(DamagedChunkTest, ATileThatIsSaidToBeAnother) {
-  put(data_at(1, 2) - kHeadBytes, number_bytes(2, 4));  // of another part
+  put(data_at(1, 2) - kHeadBytes, number_bytes(2, 4));  // another part's number
   expect_refusal({kPlace, "another chunk is in its place"});
-  put(data_at(1, 2) - 8, number_bytes(3, 4));  // of another level
+  put(data_at(1, 2) - 8, number_bytes(3, 4));  // another level's number
   expect_refusal({kPlace, "another chunk is in its place"});
 }
 
-// A chunk that hides in another: its head is right, and its bytes are within the file.
+// A chunk is hidden inside another: its head is valid, and its bytes are within the file.
 TEST_P(DamagedChunkTest, ChunksThatOverlap) {
   const std::size_t size = static_cast<std::size_t>(place(0, 0).size);
-  if (size < 3 * kHeadBytes) GTEST_SKIP() << "the finest tile is too small for it";
+  if (size < 3 * kHeadBytes) GTEST_SKIP() << "the finest tile is too small to hide a chunk";
   std::string bytes = bytes_;
   const std::size_t at = data_at(0, 0) + kHeadBytes;
   const std::string entry = number_bytes(static_cast<std::int64_t>(data_at(1, 2) - kHeadBytes), kTableEntry);
   const std::string head_and_data =
       bytes.substr(data_at(1, 2) - kHeadBytes, kHeadBytes + static_cast<std::size_t>(place(1, 2).size));
-  if (head_and_data.size() + kHeadBytes > size) GTEST_SKIP() << "the finest tile is too small for it";
+  if (head_and_data.size() + kHeadBytes > size) GTEST_SKIP() << "the finest tile is too small to hide a chunk";
   bytes.replace(bytes.find(entry), kTableEntry, number_bytes(static_cast<std::int64_t>(at), kTableEntry));
   bytes.replace(at, head_and_data.size(), head_and_data);
   write_bytes(file_.bad, bytes);
   expect_refusal({kPlace, "overlaps another chunk"});
 }
 
-// Damage within a chunk, at a time each: whoever reads gets an error, or nothing has changed.
+// Damages one byte within a chunk at a time: every reader gets an error or unchanged data.
 TEST_P(DamagedChunkTest, BytesWithinChunks) {
   const MovmfMipmap good = read_movmf_mipmap(file_.good);
   const std::string hash = movmf_content_hash(good, 1);
@@ -162,7 +162,7 @@ TEST_P(DamagedChunkTest, BytesWithinChunks) {
   }
 }
 
-// Whoever reads some rows alone notices as well, and those that are whole are read.
+// A reader of only some rows notices damage in them; undamaged rows are read.
 TEST_P(DamagedChunkTest, RowsThatAreNotReadMayBeDamaged) {
   const std::size_t at = data_at(0, 4) + static_cast<std::size_t>(place(0, 4).size) / 2;  // tile (1, 1) of level 0
   put(at, std::string(1, static_cast<char>(bytes_[at] ^ 0x41)));
@@ -172,7 +172,7 @@ TEST_P(DamagedChunkTest, RowsThatAreNotReadMayBeDamaged) {
   expect_error(ErrorCode::kInput, {file_.bad, "part finest, level 0"}, [&] { reader.read_finest(15, 2); });
 }
 
-// Every value is written, whatever lay in memory before: the buffers hold a pattern that no file has.
+// Every value is written, whatever the memory held before: the buffers start with a pattern that no file has.
 TEST_P(DamagedChunkTest, NothingOfABufferStaysAsItWas) {
   const MovmfMipmap header = read_movmf_header(file_.good);
   const std::vector<MovmfPart> parts = movmf_parts(header);
@@ -213,7 +213,7 @@ TEST_P(DamagedChunkTest, EveryChunkFillsPoisonedMemoryOrIsRefused) {
   }
 }
 
-// Files of earlier programs have one checksum for all: it is compared before the first rows are handed out.
+// Files of earlier programs have one checksum for all rows, which is compared before the first rows are returned.
 TEST_P(DamagedChunkTest, FilesWithoutChecksumsOfRows) {
   const auto without = [](Imf::Header& header) { header.erase(kRowChecksumsAttribute); };
   EXPECT_NO_THROW(read_movmf_mipmap(file_.rebuilt({0, 1, 2, 3, 4}, without)));

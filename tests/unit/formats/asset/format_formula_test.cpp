@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formulas of docs/reference/file_format.md, with the numbers that stand on the page.
+// Tests the formulas of docs/reference/file_format.md with the numbers on that page.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ TEST(FormatFormulaTest, KappaOfAMeanCosine) {
     worst = std::max(worst, std::abs(found / kappa - 1.0));
   }
   EXPECT_LT(worst, 2.35e-4);
-  EXPECT_GT(worst, 2.2e-4) << "the page says how much it is off";
+  EXPECT_GT(worst, 2.2e-4) << "the page states the formula's error";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked files of planar Gaussians: rounding, writing, reading, refusing, verifying.
+// Tests baked files of planar Gaussians: rounding, writing, reading, refusing, verifying.
 #include <half.h>
 
 #include <gtest/gtest.h>
@@ -28,12 +28,12 @@ using testing::uniform;
 using testing::write_bytes;
 
 glm::vec4 gaussian(double a, const glm::dvec3& n, double variance) {
-  // Of unit vectors E|p|^2 is at most 1.
+  // For unit vectors E|p|^2 is at most 1.
   const double scale = std::sqrt(std::max(0.0, 1.0 - 2.0 * variance)), x = scale * n.x, y = scale * n.y;
   return glm::vec4(glm::dvec4(x, y, 2.0 * variance + x * x + y * y, 1.0) * a);
 }
 
-// Random Gaussians of every width, some of them single directions, rounded.
+// Makes rounded random Gaussians of every width, including single directions.
 MovmfMipmap random_gaussians(int width, int height, int lobe_count, bool colours, StorageEncoding encoding,
                              unsigned seed) {
   MovmfMipmap mipmap = testing::random_mipmap(width, height, lobe_count, colours, encoding, seed);
@@ -121,12 +121,12 @@ TEST_P(GmmFileTest, DamagedAndTruncatedFilesAreFoundOut) {
   write_bytes(path(), bytes);
   try {
     EXPECT_TRUE(failed().contains("checksum"));
-  } catch (const Error& error) {  // the header of a tile lay there
+  } catch (const Error& error) {  // the header of a tile was overwritten
     EXPECT_EQ(error.code(), ErrorCode::kInput);
   }
 }
 
-// Each kind of file is refused where another is expected, and a version that is not known.
+// Each kind of file is refused where another is expected, and so is an unknown version.
 TEST_P(GmmFileTest, OtherFilesAreRefused) {
   write(make());
   expect_error(ErrorCode::kInput, {path(), "'gmm'", "'moments'"}, [&] { read_moment_mipmap(path()); });
@@ -151,8 +151,8 @@ INSTANTIATE_TEST_SUITE_P(Encodings, GmmQuantizeTest,
                          ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat),
                          [](const auto& encoding) { return storage_encoding_name(encoding.param); });
 
-// The promise of gmm_kappa_max(), at every tilt: that variance and larger ones are kept to within a quarter. Much
-// smaller ones are not, so that the figure is no excuse.
+// The promise of gmm_kappa_max() at every tilt: this variance and larger ones are kept to within a quarter. Much
+// smaller variances are not kept, so that the limit is tight.
 TEST_P(GmmQuantizeTest, KeepsVariance) {
   const auto worst = [](double variance) {
     std::mt19937 random(21);
@@ -173,7 +173,7 @@ TEST_P(GmmQuantizeTest, KeepsVariance) {
   }
 }
 
-// Single directions get no variance, alone or filtered with others of the same direction.
+// Single directions get variance 0, also if filtered with others of the same direction.
 TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
   std::mt19937 random(22);
   MovmfLevel level{2000, 1, {{}, {}}, {}};
@@ -186,7 +186,8 @@ TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
     }
   }
   level = rounded(level);
-  // Means of two roundings differ by a step each: a spread of their square. Floats are within 8 roundings.
+  // Two rounded means differ by up to one step, which adds a spread of the step's square. Floats are within 8
+  // roundings.
   const double zero = GetParam() == StorageEncoding::kFloat ? 5e-7 : 1e-15;  // of doubles
   for (std::size_t i = 0; i < 2000; ++i)
     for (const auto& lobes : level.lobes) EXPECT_LE(static_cast<double>(gmm_variance(lobes[i])), zero) << i;
@@ -214,7 +215,7 @@ TEST_P(GmmQuantizeTest, AmplitudesSumToOneAndRoundingTwiceChangesNothing) {
     }
 }
 
-// Level 0 as docs/reference/file_format.md has it, in whole numbers.
+// Level 0 in integers, as docs/reference/file_format.md defines it.
 TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   std::mt19937 random(23);
   for (int n = 0; n < 2000; ++n) {
@@ -233,7 +234,7 @@ TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   }
 }
 
-// Of horizontal normals, where rounding to nearest may leave x^2 + y^2 more above 1 than the third can hold.
+// For horizontal normals, rounding to nearest may raise x^2 + y^2 above the largest value of the third channel.
 TEST(GmmFinestTest, NormalsAtTheRimStayWithinIt) {
   MovmfFinest rows{20000, 1, {}, {}, {}};
   rows.representation = Representation::kGmm;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes on the GPU, counted by hand.
+// Compares bytes on the GPU with counts by hand.
 #include "host/formats/asset/gpu_bytes.h"
 
 #include <gtest/gtest.h>
@@ -20,14 +20,14 @@ TEST(GpuBytes, OfABakedFile) {
   drop_finer_levels(mipmap, 1);
   EXPECT_EQ(movmf_gpu_bytes(mipmap), 11u * 3 * 16);
   MovmfMipmap coloured = testing::random_mipmap(8, 4, 3, true, StorageEncoding::kSnorm16, 1);
-  EXPECT_EQ(movmf_gpu_bytes(coloured), 43u * 3 * 16) << "colours have four channels there";
+  EXPECT_EQ(movmf_gpu_bytes(coloured), 43u * 3 * 16) << "colours have four channels on the GPU";
 }
 
 TEST(GpuBytes, OfWhatRenderersUsuallyHave) {
-  // A block of 4 x 4 texels is 16 + 8 bytes, and blocks are whole: 9 x 5, 4 x 2, 2 x 1, 1 x 1.
+  // A block of 4 x 4 texels is 16 + 8 bytes, and partial blocks count as whole ones: 9 x 5, 4 x 2, 2 x 1, 1 x 1.
   EXPECT_EQ(default_gpu_bytes(9, 5), (3u * 2 + 1 + 1 + 1) * 24);
   EXPECT_EQ(default_gpu_bytes(1, 1), 24u);
-  // 1.5 bytes a texel, 4/3 with mips, and two blocks more for the levels of 2 x 2 and 1 x 1.
+  // 1.5 bytes per texel, 4/3 of that with mips, and two more blocks for the levels of 2 x 2 and 1 x 1.
   EXPECT_EQ(default_gpu_bytes(1024, 1024), (1024u * 1024 * 4 - 16) / 3 / 16 * 24 + 2 * 24);
 }
 

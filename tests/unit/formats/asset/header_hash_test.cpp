@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headers with changed bytes, of every kind of file: what OpenEXR reads with other values, verify must not accept.
+// Tests headers with changed bytes in every kind of file: if OpenEXR reads different values, verify must reject the
+// file.
 #include "host/formats/asset/header_hash.h"
 
 #include <ImfHeader.h>
@@ -21,7 +22,7 @@
 namespace multum::testing {
 namespace {
 
-// Where an attribute of the first part or a later one lies in the file's bytes.
+// The place of an attribute of any part in the file's bytes.
 struct AttributePlace {
   int part;
   std::string name;
@@ -60,7 +61,7 @@ AttributePlace place_of(const std::string& bytes, const std::string& name) {
 
 using Values = std::map<std::tuple<int, std::string, std::string>, std::string>;  // by part, name, type
 
-// What OpenEXR reads, as it would write it. Compression is no value of the file's.
+// Returns the values that OpenEXR reads, as it would write them. Compression is not a value of the file.
 Values values_read(const std::string& path) {
   Imf::MultiPartInputFile file(path.c_str(), 1);
   Values values;
@@ -74,7 +75,7 @@ Values values_read(const std::string& path) {
   return values;
 }
 
-// Of `bytes` as a file: the checks that failed; "refused" where it is not even read.
+// Returns the failed checks of a file of `bytes`, or "refused" if it cannot be read.
 std::set<std::string> failed_checks(const std::string& path, const std::string& bytes) {
   write_bytes(path, bytes);
   std::set<std::string> failed;
@@ -114,8 +115,8 @@ class HeaderHashTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-// Half of the mutants have a byte of any attribute's value changed, a quarter any byte of the headers, and a quarter a
-// byte of an attribute's name, type or size.
+// Half of the mutants change a byte of any attribute's value, a quarter any byte of the headers, and a quarter a byte
+// of an attribute's name, type or size.
 std::string mutant(const std::string& whole, const std::vector<AttributePlace>& places, SplitMix64& random) {
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random.next() % count); };
   const AttributePlace& place = places[below(places.size())];
@@ -148,7 +149,7 @@ TEST_F(HeaderHashTest, NoMutantWithOtherValuesIsAccepted) {
       const Values found = values_read(path());
       EXPECT_TRUE(found == values) << kind.name << ", mutant " << i << " of seed " << kSeed << " is accepted";
     }
-    // What was accepted before headers had a checksum; and of bytes that mean nothing there are few.
+    // Only the checksum of headers rejects these files. Few bytes have no meaning.
     EXPECT_GT(by_header_alone, kMutants / 4) << kind.name;
     EXPECT_LT(unchanged, kMutants / 10) << kind.name;
     RecordProperty(kind.name + "_found_by_header_alone", by_header_alone);
@@ -156,7 +157,7 @@ TEST_F(HeaderHashTest, NoMutantWithOtherValuesIsAccepted) {
   }
 }
 
-// A value of every attribute of every part, by its lowest bit.
+// Changes the lowest bit of one value of every attribute of every part.
 TEST_F(HeaderHashTest, EveryAttributeIsCoveredAndNamed) {
   for (const Kind& kind : kinds()) {
     kind.write(path());
@@ -225,7 +226,7 @@ TEST_F(HeaderHashTest, FilesOfEarlierVersionsPassAndSaySo) {
     kind.write(path());
     std::string bytes = read_bytes(path());
     const AttributePlace place = place_of(bytes, kHeaderHashAttribute);
-    // What it is called is an attribute that nobody knows, and says nothing.
+    // Renamed, the attribute is unknown to every reader and has no effect.
     bytes.replace(place.begin, 6, "others");
     bytes.replace(place.value_begin, place.end - place.value_begin, place.end - place.value_begin, ' ');
     EXPECT_EQ(failed_checks(path(), bytes), std::set<std::string>()) << kind.name;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files with weights and with roughness in: what is written is what is read, in both representations; damage is found;
-// programs that know neither refuse them, and files without are as they were.
+// Tests files with weights and with roughness, in both representations: they read back equal, and damage is found.
+// Programs that know neither refuse such files, and other files do not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct MaterialCase {
   Representation lobes = Representation::kMovmf;
 };
 
-// Without it the test's name would be the bytes, holes among them.
+// Without this function a test's name would be its bytes, padding included.
 void PrintTo(const MaterialCase& c, std::ostream* out) {
   *out << representation_info(c.lobes).option << " as " << static_cast<int>(c.encoding)
        << (c.has_colours ? " colours" : "") << (c.has_roughness ? " roughness" : "") << " weights " << c.weight_count;
@@ -68,7 +68,7 @@ class MaterialFileTest : public ::testing::TestWithParam<MaterialCase> {
     return mipmap;
   }
 
-  // Of a mean vector (a r, a), as a rough normal's point.
+  // Converts a mean vector (a r, a) to a Gaussian, as for a rough normal's point.
   static glm::vec4 as_gaussian(const glm::vec4& lobe) {
     return lobe.w * glm::vec4(rough_point(glm::vec3(lobe) / lobe.w), 1.0f);
   }
@@ -84,7 +84,7 @@ const MaterialCase kCases[] = {{StorageEncoding::kSnorm16, false, true, 0},
                                {StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
                                {StorageEncoding::kFloat, false, true, 3, Representation::kGmm}};
 
-// The cases that a test is of: none is made to be skipped.
+// Returns only the cases that a test runs, so that none is skipped.
 template <typename Wanted>
 std::vector<MaterialCase> cases_where(const Wanted& wanted) {
   std::vector<MaterialCase> cases;
@@ -99,7 +99,7 @@ bool has_weights(const MaterialCase& c) { return c.weight_count > 0; }
 
 class RoughLobesTest : public MaterialFileTest {};
 class RoughGaussiansTest : public MaterialFileTest {};
-class AveragesFileTest : public MaterialFileTest {};  // of harmonics and moments, which have no snorm
+class AveragesFileTest : public MaterialFileTest {};  // harmonics and moments, which have no snorm encoding
 class WeightsFileTest : public MaterialFileTest {};
 
 INSTANTIATE_TEST_SUITE_P(Files, MaterialFileTest, ::testing::ValuesIn(kCases));
@@ -122,7 +122,7 @@ TEST_P(MaterialFileTest, LobesComeBackAsTheyWere) {
   EXPECT_EQ(found.header.provenance.content_hash, movmf_content_hash(mipmap, 2));
   EXPECT_EQ(failed(path), std::set<std::string>{});
   EXPECT_EQ(read_baked_header(path).format_version(), GetParam().lobes == Representation::kGmm ? 2 : 4);
-  // A length of the finest level, or a weight, changes the checksum.
+  // A changed length in the finest level, or a changed weight, changes the checksum.
   MovmfMipmap other = mipmap;
   if (mipmap.header.weight_count > 0) other.levels[2].weights[1][0] += 0.5f;
   else other.levels[0].lobes = found.levels[0].lobes, other.levels[1].lobes[0][3] *= 0.5f;
@@ -144,7 +144,7 @@ TEST_P(RoughLobesTest, FinestNormalsKeepTheirLengths) {
   }
 }
 
-// As points of the plane: what facets scatter, and what comes back as a normal's length.
+// Points of the plane keep the scatter of their facets, and give back the length of the normal.
 TEST_P(RoughGaussiansTest, FinestPointsKeepWhatTheyScatter) {
   std::mt19937 random(3);
   MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
@@ -165,7 +165,7 @@ TEST_P(RoughGaussiansTest, FinestPointsKeepWhatTheyScatter) {
     const auto scatter = [](const glm::vec3& p) { return p.z - p.x * p.x - p.y * p.y; };
     EXPECT_NEAR(scatter(rows.normals[i]), scatter(exact[i]), 2.0f * step);
     EXPECT_LE(rows.normals[i].z, 1.0f);
-    // Where nothing was cut off at the rim.
+    // Compares only normals that were not clamped at the rim.
     const glm::vec3 back = shortened_normal(exact[i]);
     const bool is_whole = exact[i].z < 0.999f;
     EXPECT_TRUE(!is_whole || glm::length(back - lengths[i]) < 2e-3f) << i;
@@ -201,7 +201,7 @@ TEST_P(AveragesFileTest, HarmonicsComeBackAsTheyWere) {
   }
   EXPECT_EQ(failed(path), c.has_roughness ? std::set<std::string>{} : std::set<std::string>{"level 0"});
   EXPECT_EQ(read_baked_header(path).format_version(), 2);
-  mipmap.levels[0].parts[0][7] *= 0.5f;  // shorter than the roughest lobe
+  mipmap.levels[0].parts[0][7] *= 0.5f;  // below the length of the roughest lobe
   write_sh_mipmap(path, mipmap, {.is_checked = false});
   EXPECT_EQ(failed(path), std::set<std::string>{"level 0"});
   if (c.weight_count == 0) return;
@@ -260,7 +260,7 @@ TEST_P(WeightsFileTest, VerifyNamesTheWeightThatCannotBe) {
   EXPECT_EQ(failed(path), std::set<std::string>{"finite"});
 }
 
-// Of no cases no test would be made, and none would fail.
+// An empty list of cases would make no tests, so none would fail.
 TEST(MaterialFile, EveryTestHasCases) {
   EXPECT_EQ(cases_where(has_rough_lobes).size(), 3u);
   EXPECT_EQ(cases_where(has_rough_gaussians).size(), 3u);

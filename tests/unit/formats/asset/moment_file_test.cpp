@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked files of moments: rounding, writing, reading, refusing, verifying.
+// Tests baked files of moments: rounding, writing, reading, refusing, verifying.
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartInputFile.h>
@@ -33,7 +33,7 @@ using testing::TemporaryFolder;
 using testing::uniform;
 using testing::write_bytes;
 
-// Moments as a bake leaves them: level 0 single directions, others with a variance.
+// Makes moments like a bake: level 0 has single directions, other levels have a variance.
 MomentMipmap random_moments(int width, int height, bool has_colours, StorageEncoding encoding, unsigned seed) {
   std::mt19937 random(seed);
   MomentMipmap mipmap;
@@ -126,7 +126,7 @@ TEST_P(MomentFileTest, WhatIsWrittenIsRead) {
   for (const VerifyFinding& finding : verify_baked(path, 2)) EXPECT_TRUE(finding.passed) << finding.detail;
 }
 
-// Rows in portions that cut across rows of tiles, levels in turn: the same bytes.
+// Writes portions of rows that cut across rows of tiles, with levels in turn: the bytes do not change.
 TEST_P(MomentFileTest, PortionsMakeTheSameFile) {
   const MomentShape shape = GetParam();
   const TemporaryFolder folder;
@@ -150,7 +150,7 @@ TEST(MomentWriterTest, WithoutCommitNothingStays) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-// What the format says of halfs.
+// The format's statement about half floats.
 TEST(MomentQuantizeTest, SingleDirectionsGetNoVariance) {
   const MomentMipmap mipmap = random_moments(128, 128, false, StorageEncoding::kHalf, 7);
   for (std::size_t i = 0; i < mipmap.levels[0].slopes.size(); ++i) {
@@ -179,13 +179,13 @@ TEST(MomentQuantizeTest, VariancesAreThoseAboutTheRoundedMeans) {
   quantize_moments(rows, StorageEncoding::kHalf, 1);
   for (std::size_t i = 0; i < variances.size(); ++i) {
     const auto s = static_cast<double>(rows.slopes[i].s), ss = static_cast<double>(rows.slopes[i].ss);
-    // Half a step of the moment, and what floats make of the variance.
+    // Half a step of the moment, plus the rounding of the variance to float.
     EXPECT_NEAR(ss - s * s, variances[i], ss * (0x1p-11 + 0x1p-20)) << s;
   }
 }
 
-// The promise of least_slope_deviation(): at a slope of 1 that variance and larger ones are kept to within a quarter;
-// much smaller ones are not, so the figure is no excuse.
+// The promise of least_slope_deviation(): at a slope of 1, this variance and larger ones are kept to within a quarter.
+// Much smaller variances are not kept, so that the limit is tight.
 TEST(MomentQuantizeTest, KeepsRoughnessDownToTheLeast) {
   std::mt19937 random(13);
   const auto worst = [&](StorageEncoding encoding, double deviation) {
@@ -234,7 +234,7 @@ TEST(MomentGpuBytesTest, TwoTexturesAndOneForColours) {
   EXPECT_EQ(moment_gpu_bytes(header), (2u + 1u) * 3u * 16u);
 }
 
-// Files that are no file of moments, made from a good one.
+// Makes files that are not valid files of moments from a good one.
 class MomentRefusalTest : public ::testing::Test {
  protected:
   MomentRefusalTest() {
@@ -275,7 +275,7 @@ TEST_F(MomentRefusalTest, FilesThatAreSomethingElse) {
 
 class MomentVerifyTest : public ::testing::Test {
  protected:
-  // Which checks fail of a file with this texel changed after it was rounded.
+  // Returns the failed checks of a file whose texel was changed after rounding.
   std::vector<std::string> failures(const std::function<void(MomentLevel&)>& change) const {
     MomentMipmap mipmap = random_moments(40, 24, true, StorageEncoding::kHalf, 9);
     change(mipmap.levels[1]);

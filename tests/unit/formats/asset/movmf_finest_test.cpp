@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level 0 from x and y: no spread is added, directions turn by little, rows and full lobes are the same thing, and what
-// is no single direction is stopped.
+// Tests level 0 stored as x and y: no spread is added, directions turn little, and rows equal full lobes. Normals that
+// are not single directions are rejected.
 #include "host/formats/asset/lobes/movmf_finest.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class FinestTest : public ::testing::TestWithParam<StorageEncoding> {
 INSTANTIATE_TEST_SUITE_P(Encodings, FinestTest,
                          ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat));
 
-// The next lower value of the grid.
+// Returns the next lower value of the encoding.
 float step_below(float z, StorageEncoding encoding) {
   if (encoding == StorageEncoding::kSnorm16)
     return static_cast<float>((std::round(static_cast<double>(z) * 32767.0) - 1.0) / 32767.0);
@@ -34,7 +34,7 @@ float step_below(float z, StorageEncoding encoding) {
   return static_cast<float>(below);
 }
 
-// |(x, y, z)|^2 - 1 on the grid: in steps for snorm16, exact for halfs.
+// Returns |(x, y, z)|^2 - 1 for stored values: in steps for snorm16, exact for half floats.
 double excess(const glm::vec3& n, StorageEncoding encoding) {
   glm::dvec3 wide(n);
   if (encoding == StorageEncoding::kSnorm16)
@@ -47,7 +47,7 @@ TEST_P(FinestTest, ZIsTheLeastThatMakesTheLengthOne) {
   MovmfFinest rows = random_finest(random_, 500, 400, 4, false);
   for (std::size_t i = 0; i < rows.normals.size(); i += 3) rows.normals[i] *= glm::vec3(0.01f, 0.02f, 1.0f);  // flat
   quantize_movmf(rows, GetParam(), 2);
-  const double rounding = GetParam() == StorageEncoding::kFloat ? 1e-15 : 0.0;  // of the sum above
+  const double rounding = GetParam() == StorageEncoding::kFloat ? 1e-15 : 0.0;  // rounding of the sum in excess()
   for (const glm::vec3& n : rows.normals) {
     ASSERT_GE(excess(n, GetParam()), -rounding) << n.x << " " << n.y << " " << n.z;
     if (n.z > 0.0f) {

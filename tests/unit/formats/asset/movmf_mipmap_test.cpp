@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baked file: what is written is read, bit for bit.
+// Tests that a baked file reads back bit for bit.
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 
 #include <ImfHeader.h>
@@ -103,7 +103,7 @@ TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
     SCOPED_TRACE(first_level);
     MovmfMipmap dropped = mipmap;
     drop_finer_levels(dropped, first_level);
-    quantize_movmf(dropped, 1);  // levels without texels are passed over, the others on their grid already
+    quantize_movmf(dropped, 1);  // levels without texels are skipped, the others are already rounded
     write_movmf_mipmap(folder / "a.exr", dropped, {});
     const MovmfMipmap found = read_movmf_mipmap(folder / "a.exr");
     EXPECT_EQ(found.header.first_level, first_level);
@@ -115,14 +115,14 @@ TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
     for (int l = 0; l < level_count; ++l)
       EXPECT_EQ(found.levels[static_cast<std::size_t>(l)].lobes[0].empty(), l < first_level) << l;
     EXPECT_EQ(found.header.provenance.content_hash, movmf_content_hash(dropped, 2));
-    EXPECT_NE(found.header.provenance.content_hash, hash) << "a level less, another checksum";
+    EXPECT_NE(found.header.provenance.content_hash, hash) << "one level less changes the checksum";
     hash = found.header.provenance.content_hash;
     const MovmfMipmap header = read_movmf_header(folder / "a.exr");
     EXPECT_EQ(header.header.first_level, first_level);
     EXPECT_EQ(header.width(), c.width);
     const std::string last = std::to_string(level_count - 1), first = std::to_string(first_level);
     EXPECT_EQ(levels_text(header), (first == last ? "level " : "levels " + first + " to ") + last + " of 0 to " + last);
-    // For strangers: the parts begin with that level.
+    // Third-party readers see parts that begin with that level.
     Imf::MultiPartInputFile file((folder / "a.exr").c_str());
     const Imath::Box2i window = file.header(0).dataWindow();
     EXPECT_EQ(window.max.x + 1, mip_level_size(c.width, first_level));

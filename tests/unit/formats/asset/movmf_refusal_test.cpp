@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is no baked file is refused with its name, what was found and what was expected.
+// Tests that files which are not baked files are refused; the message gives the name, the value found and the value
+// expected.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -31,7 +32,7 @@ using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
 
-// Files that are no baked file: made from a good one.
+// Makes invalid baked files from a good one.
 class MovmfRefusalTest : public ::testing::Test {
  protected:
   MovmfRefusalTest() {
@@ -47,13 +48,13 @@ class MovmfRefusalTest : public ::testing::Test {
     expect_error(ErrorCode::kInput, parts, [&] { read_movmf_mipmap(path); });
   }
 
-  // The good file with level 0 flat, but for one value of texel (5, 3).
+  // The good file with a flat level 0, except for one value of texel (5, 3).
   std::string with_finest_texel(const std::string& channel, float value) const {
     Imf::MultiPartInputFile in(file_.good.c_str());
     std::vector<Imf::Header> headers;
     for (int part = 0; part < in.parts(); ++part) {
       headers.push_back(in.header(part));
-      headers.back().erase("multum:rowChecksums");  // they and the other one would name the change
+      headers.back().erase("multum:rowChecksums");  // checksums would report the change first
       headers.back().insert("multum:contentHash", Imf::StringAttribute(""));
     }
     Imf::MultiPartOutputFile out(file_.bad.c_str(), headers.data(), in.parts());
@@ -84,7 +85,7 @@ class MovmfRefusalTest : public ::testing::Test {
   }
 
   const testing::AlteredFile file_;
-  const std::vector<int> all_ = {0, 1, 2, 3, 4, 5, 6, 7, 8};  // the finest, four lobes, four colours
+  const std::vector<int> all_ = {0, 1, 2, 3, 4, 5, 6, 7, 8};  // the finest level, four lobes, four colours
 };
 
 TEST_F(MovmfRefusalTest, TheGoodFileIsRead) { EXPECT_NO_THROW(read_movmf_mipmap(file_.good)); }
@@ -133,7 +134,7 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
                  {"no attribute multum:encoding"});
 }
 
-// 40 x 24: six levels.
+// A map of 40 x 24 has six levels.
 TEST_F(MovmfRefusalTest, FirstLevelsThatDoNotFit) {
   const auto set_int = [&](const char* name, int value) {
     return file_.rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
@@ -171,7 +172,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                    h.channels() = channels;
                  }),
                  {"no channel lobe1.vMF.R in part lobe.1"});
-  // Another compression copies no pixels, so change the channels too: the level mode is looked at first.
+  // Pixels cannot be copied to another compression, so the channels change too: the level mode is checked first.
   const auto change_tiles = [&](const char* name, Imf::LevelMode mode) {
     return file_.rebuilt(all_, [=](Imf::Header& h) {
       if (h.name() != name) return;
@@ -189,7 +190,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                   "expected (0, 0) to (19, 11), level 1 of a map of 40 x 24"});
 }
 
-// What no writer of ours makes: found where it is decoded.
+// Values that none of our writers makes are found when they are decoded.
 TEST_F(MovmfRefusalTest, FinestTexelsThatMeanNothing) {
   EXPECT_NO_THROW(read_movmf_mipmap(with_finest_texel("finest.normalX.X", -1.0f)));
   for (const float lobe : {-1.0f, 0.5f, 4.0f, 1000.0f, std::numeric_limits<float>::quiet_NaN()})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mipmaps of random lobes, as a bake would leave them before rounding.
+// Makes mipmaps of random lobes, like the result of a bake before rounding.
 #pragma once
 
 #include <algorithm>
@@ -22,14 +22,14 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 inline double uniform(std::mt19937& random) { return std::uniform_real_distribution<double>()(random); }
 
-/// A direction at most `tilt_max` radians from +Z, even over that cap.
+/// Returns a direction at most `tilt_max` radians from +Z, evenly distributed over that cap.
 inline glm::dvec3 random_direction(std::mt19937& random, double tilt_max) {
   const double z = 1.0 - uniform(random) * (1.0 - std::cos(tilt_max));
   const double azimuth = uniform(random) * 2.0 * std::numbers::pi, side = std::sqrt(std::max(0.0, 1.0 - z * z));
   return {side * std::cos(azimuth), side * std::sin(azimuth), z};
 }
 
-/// Shares that sum to 1, often very uneven, sometimes zero.
+/// Returns shares that sum to 1, often very uneven, sometimes zero.
 inline std::vector<double> random_shares(std::mt19937& random, int count) {
   std::vector<double> shares(static_cast<std::size_t>(count));
   const double unevenness = 8.0 * uniform(random);
@@ -43,13 +43,13 @@ inline std::vector<double> random_shares(std::mt19937& random, int count) {
   return shares;
 }
 
-/// a * (r, 1) in float, as the bake stores it before rounding.
+/// Returns a * (r, 1) in float, as the bake stores it before rounding.
 inline glm::vec4 stored_lobe(double amplitude, const glm::dvec3& r) {
   const auto a = static_cast<float>(amplitude);
   return {a * glm::vec3(r), a};
 }
 
-/// Level 0 as bakes leave it: a single direction a texel, whole in one lobe.
+/// Makes level 0 like a bake: one single direction per texel, completely in one lobe.
 inline MovmfFinest random_finest(std::mt19937& random, int width, int height, int lobe_count, bool colours) {
   MovmfFinest rows{width, height, {}, {}, {}};
   for (int i = 0; i < width * height; ++i) {
@@ -60,7 +60,7 @@ inline MovmfFinest random_finest(std::mt19937& random, int width, int height, in
   return rows;
 }
 
-/// Random lobes of every sharpness, a fifth of them single directions; level 0 is random_finest().
+/// Makes random lobes of every sharpness, a fifth of them single directions; level 0 is random_finest().
 inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool colours, StorageEncoding encoding,
                                  unsigned seed) {
   std::mt19937 random(seed);

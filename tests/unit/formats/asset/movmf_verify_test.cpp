@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each kind of damage fails the check that is meant for it, and no other.
+// Tests that each kind of damage fails only the check that is meant for it.
 #include "host/formats/asset/lobes/movmf_verify.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
   EXPECT_EQ(findings.size(), 7u);
   for (const VerifyFinding& finding : findings) EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.detail;
   EXPECT_NE(findings[0].detail.find("40 x 24, levels 2 to 5 of 0 to 5, 4 lobes"), std::string::npos);
-  // What is wrong is named by the map's own level: 10 x 6 texels.
+  // The message uses the map's own level: 10 x 6 texels.
   for (auto& lobe : mipmap.levels[2].lobes) lobe[10 * 4 + 7] *= 0.5f;
   for (const VerifyFinding& finding : verify_movmf(write(mipmap), 1))
     if (finding.check == "sum of a") {
@@ -69,7 +69,7 @@ TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
 TEST_P(MovmfVerifyTest, EveryRowOfEveryTileIsSeenOnce) {
   MovmfMipmap mipmap = make();
   BakedWriteOptions options;
-  options.tile_size = 5;  // 24 rows are four rows of tiles and one that is cut off
+  options.tile_size = 5;  // 24 rows are four rows of tiles and a partial one
   for (const int first_level : {0, 2}) {
     drop_finer_levels(mipmap, first_level);
     write_movmf_mipmap(folder_ / "a.exr", mipmap, options);
@@ -96,7 +96,7 @@ TEST_P(MovmfVerifyTest, AFlippedBitInAnyTileFailsTheChecksum) {
   const unsigned seed = 6;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  // Pixels make up more than the file's last half; a byte there is a pixel's or belongs to a chunk's own header.
+  // More than the last half of the file is pixels; a byte there belongs to a pixel or to a chunk's header.
   for (int round = 0; round < 30; ++round) {
     std::string bytes = whole;
     const std::size_t at = whole.size() / 2 + random() % (whole.size() / 2);
@@ -117,7 +117,7 @@ TEST_P(MovmfVerifyTest, AWrongChecksumNamesBoth) {
   const std::string hash = read_movmf_header(path).header.provenance.content_hash;
   bytes.replace(bytes.find(hash), 4, "0000");
   testing::write_bytes(path, bytes);
-  EXPECT_EQ(failed(path), (Names{"checksum", "header"}));  // it is an attribute too
+  EXPECT_EQ(failed(path), (Names{"checksum", "header"}));  // the checksum is an attribute too
   for (const VerifyFinding& finding : verify_movmf(path, 1))
     if (finding.check == "checksum") {
       EXPECT_NE(finding.detail.find("found " + hash + ", expected 0000"), std::string::npos) << finding.detail;

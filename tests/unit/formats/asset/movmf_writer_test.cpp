@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows in, rows out: however they are handed in, the pixels and the checksum are those of the whole mipmap; what the
-// header says last is in every part; what goes wrong leaves nothing.
+// Tests the writer of rows: pixels and checksum equal those of the whole mipmap for any portions. Header values set
+// last are in every part, and a failed write leaves no file.
 #include "host/formats/asset/lobes/movmf_writer.h"
 
 #include <ImfHeader.h>
@@ -33,7 +33,7 @@ MovmfMipmap without_texels(MovmfMipmap mipmap) {
   return mipmap;
 }
 
-// Hands every stored level in, in odd portions, levels in turns by chance.
+// Hands over every stored level in odd portions, with levels in random order.
 void write_in_portions(MovmfWriter& writer, const MovmfMipmap& mipmap, std::mt19937& random) {
   std::vector<int> next(mipmap.levels.size(), 0);
   std::vector<std::size_t> open;
@@ -55,7 +55,7 @@ struct WrittenShape {
   int first_level;
 };
 
-// Of random lobes, as the file holds them.
+// Makes random lobes, rounded as the file stores them.
 MovmfMipmap rounded_mipmap(const WrittenShape& shape, StorageEncoding encoding) {
   MovmfMipmap mipmap = random_mipmap(shape.width, shape.height, shape.lobes, shape.colours, encoding, 8);
   drop_finer_levels(mipmap, shape.first_level);
@@ -106,7 +106,7 @@ TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
   const WrittenShape c = GetParam();
   const TemporaryFolder folder;
   MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kSnorm16);
-  // Names and values of attributes inside a value are no attributes.
+  // Names and values of attributes inside a value are not attributes.
   mipmap.header.provenance.settings = "{\"multum:contentHash\":\"string\"}";
   mipmap.header.provenance.measured_error = "[[0,\"centre\",\"lambert\",0.25]]";
   write_movmf_mipmap(folder / "a.exr", mipmap, {});
@@ -184,7 +184,7 @@ TEST(MovmfWriterEndTest, CancelledNothingStays) {
   EXPECT_EQ(folder.names(), Names{});
 }
 
-// A file that its reader would refuse takes nobody's place.
+// A file that its reader would refuse replaces no other file.
 TEST(MovmfWriterEndTest, WhatWouldNotVerifyIsNotWritten) {
   const TemporaryFolder folder;
   testing::write_bytes(folder / "a.exr", "old");
@@ -198,7 +198,7 @@ TEST(MovmfWriterEndTest, WhatWouldNotVerifyIsNotWritten) {
   };
   write("finite", [](MovmfMipmap& m) { m.levels[2].colours[1][3].y = std::numeric_limits<float>::infinity(); });
   write("finite", [](MovmfMipmap& m) {
-    const std::size_t lobe = m.levels[0].lobes[0][7].w > 0.5f ? 0 : 1;  // that has the texel
+    const std::size_t lobe = m.levels[0].lobes[0][7].w > 0.5f ? 0 : 1;  // the lobe that holds the texel
     m.levels[0].colours[lobe][7].x = std::numeric_limits<float>::quiet_NaN();
   });
   write("sum of a", [](MovmfMipmap& m) { m.levels[1].lobes[0][5].w += 0.25f; });
@@ -244,7 +244,7 @@ TEST(MovmfWriterEndTest, APortionLargerThanTheQueue) {
   EXPECT_EQ(MovmfReader(folder / "a.exr").read_level(1, 511, 1).lobes[7][511], glm::vec4(0.0f, 0.0f, 0.125f, 0.125f));
 }
 
-// Wherever it becomes full: in the headers, between tiles, with the last byte that the library writes.
+// The disk becomes full in the headers, between tiles, or at the last byte that the library writes.
 TEST(MovmfWriterEndTest, AFullDiskIsAnErrorAndNothingStays) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.exr";

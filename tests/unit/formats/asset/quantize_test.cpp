@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounding of lobes: sums stay 1, single directions stay single, spreads survive up to storage_kappa_max, and a glossy
-// highlight on a tilted flat keeps its peak, at texels and between them.
+// Tests the rounding of lobes: sums stay 1, single directions stay single, and spreads survive up to storage_kappa_max.
+// A glossy highlight on a tilted flat surface keeps its peak, at texels and between them.
 #include <gtest/gtest.h>
 #include <half.h>
 
@@ -19,7 +19,7 @@ using testing::random_shares;
 using testing::stored_lobe;
 using testing::uniform;
 
-// Rounds texels of some lobes each, as one level that is not the finest. texels[i][j] = lobe j of texel i.
+// Rounds texels of several lobes each, as one level other than the finest. texels[i][j] = lobe j of texel i.
 void quantize(std::vector<std::vector<glm::vec4>>& texels, StorageEncoding encoding) {
   MovmfLevel level;
   level.width = static_cast<int>(texels.size());
@@ -54,14 +54,14 @@ TEST_P(QuantizeTest, ValuesAreOnTheGrid) {
         if (GetParam() == StorageEncoding::kHalf) {
           ASSERT_EQ(static_cast<float>(half(lobe[c])), lobe[c]);
         } else {
-          // The GPU's decoding of the nearest 16-bit code gives back the same float.
+          // The GPU decodes the nearest 16-bit code to the same float.
           const double steps = std::round(static_cast<double>(lobe[c]) * 32767.0);
           ASSERT_EQ(static_cast<float>(steps) / 32767.0f, lobe[c]);
         }
       }
 }
 
-// Lobes of every kind: singles, wide ones, flat ones, on the grid already, of next to nothing.
+// Makes lobes of every kind: single, wide, flat, already rounded, or of almost no amplitude.
 std::vector<std::vector<glm::vec4>> lobes_of_every_kind(std::mt19937& random, int count, int texel_count) {
   std::vector<std::vector<glm::vec4>> texels;
   for (int i = 0; i < texel_count; ++i) {
@@ -69,7 +69,7 @@ std::vector<std::vector<glm::vec4>> lobes_of_every_kind(std::mt19937& random, in
     for (double share : random_shares(random, count)) {
       glm::dvec3 r = random_direction(random, 90 * kDegree);
       switch (random() % 8) {
-        case 0: r = glm::dvec3(glm::vec3(r)); break;    // single, as floats are
+        case 0: r = glm::dvec3(glm::vec3(r)); break;    // a single direction in float
         case 1: r = glm::dvec3(0.0, 0.0, 1.0); break;   // flat
         case 2: r = glm::dvec3(r.x, -r.y, 0.0); break;  // in a plane
         case 3: r = glm::dvec3(0.0); break;             // no direction
@@ -77,7 +77,7 @@ std::vector<std::vector<glm::vec4>> lobes_of_every_kind(std::mt19937& random, in
           share = std::round(share * 32767.0) / 32767.0;
           r *= 0.5;
           break;                                                     // ties
-        case 5: r = glm::round(r * 16384.0) / 32767.0; break;        // on the grid when whole
+        case 5: r = glm::round(r * 16384.0) / 32767.0; break;        // already rounded if the share is 1
         default: r *= 1.0 - std::pow(10.0, -7.0 * uniform(random));  // every sharpness
       }
       texels.back().push_back(stored_lobe(share, r));
@@ -100,7 +100,7 @@ TEST_P(QuantizeTest, RoundsAsTheReferenceDoes) {
 }
 
 TEST(QuantizeStepsTest, StepsAreTheirQuotients) {
-  // What movmf_quantize.cpp multiplies by is the reciprocal, as here.
+  // movmf_quantize.cpp multiplies by this reciprocal.
   for (int k = -32768; k <= 32768; ++k)
     ASSERT_EQ(static_cast<float>(k * (1.0 / 32767.0)), static_cast<float>(k / 32767.0)) << k;
 }
@@ -122,7 +122,7 @@ TEST_P(QuantizeTest, AmplitudesSumToOne) {
         steps += std::round(a * 32767.0);
         sum += a;
         ASSERT_GE(a, 0.0);
-        // Nobody moves by a whole step, or by more than half a unit in the last place of a half.
+        // No value moves by a whole step, or by more than half a unit in the last place of a half float.
         const double limit = GetParam() == StorageEncoding::kSnorm16 ? 1.0 / 32767.0 : std::max(a, 6e-5) / 2048.0;
         ASSERT_LE(std::abs(a - static_cast<double>(before[i][j].w)), limit + 1e-7);
       }
@@ -140,7 +140,7 @@ TEST_P(QuantizeTest, SingleDirectionsNeverLoseLength) {
   std::vector<std::vector<glm::vec4>> texels;
   for (int i = 0; i < 20000; ++i) {
     texels.emplace_back();
-    // Every third texel's directions are flat or in a coordinate plane, where brackets collapse.
+    // Directions of every third texel are flat or in a coordinate plane, where brackets collapse.
     for (const double share : random_shares(random_, 4)) {
       glm::dvec3 n = random_direction(random_, 90 * kDegree);
       if (i % 3 == 0) n = glm::normalize(glm::dvec3(i % 2 == 0 ? 0.0 : n.x, 0.0, n.z + 1e-3));
@@ -190,16 +190,16 @@ TEST_P(QuantizeTest, KeepsSpreadUpToKappaMax) {
     std::printf("  kappa %8.0f: the spread changes by %.3f (median), %.3f (95 %%)\n", kappa * limit, change.median,
                 change.percentile_95);
   }
-  // A flat lobe has z alone to round, to within half a step.
+  // A flat lobe rounds only z, by at most half a step.
   for (double kappa = limit; kappa > 0.9 * limit; kappa *= 0.997)
     EXPECT_LE(spread_change(kappa, GetParam(), random_, 0.0).percentile_95, 0.31) << "flat, kappa " << kappa;
-  // Neither is the limit a timid one.
+  // Far beyond the limit the error is large, so that the limit is tight.
   EXPECT_GE(spread_change(4.0 * limit, GetParam(), random_, 60 * kDegree).percentile_95, 0.25);
 }
 
-// The highlight of a BRDF of mean cosine 1 - 1/kappa_f over filtered lobes, as the runtime shades: mean cosines
-// multiply, |r| is clamped to 1, the result is a vMF lobe (kappa = 1/(1 - A), A near 1). Its peak over all half
-// vectors, by mean shift from the mean normal.
+// Returns the peak of a BRDF's highlight over filtered lobes, for a BRDF of mean cosine 1 - 1/kappa_f, as the runtime
+// shades. Mean cosines multiply, |r| is clamped to 1, and the result is a vMF lobe (kappa = 1/(1 - A), A near 1). The
+// peak over all half vectors is found by mean shift from the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double kappa_f) {
   struct Part {
     double amplitude, kappa;
@@ -264,7 +264,7 @@ TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetween
   EXPECT_LE(worst[1], 0.02);
 }
 
-// Sharper than the storage keeps, but no single direction; in float nothing is lost.
+// Counts lobes that are sharper than the storage keeps but not single directions; float loses nothing.
 TEST_P(QuantizeTest, SharpLobesAreCounted) {
   const auto limit = static_cast<double>(storage_kappa_max(GetParam()));
   MovmfLevel level;
@@ -278,7 +278,7 @@ TEST_P(QuantizeTest, SharpLobesAreCounted) {
                   stored_lobe(0.0, mu), of_kappa(1.0, 9.0), of_kappa(1.0, 9.0)}};
   for (const int threads : {1, 3}) {
     const SharpLobes sharp = count_sharp_lobes(level, GetParam(), threads);
-    EXPECT_EQ(sharp.count, 3u) << "two of the first lobes, one of the second";
+    EXPECT_EQ(sharp.count, 3u) << "two from the first lobes, one from the second";
     EXPECT_DOUBLE_EQ(sharp.amplitude, 2.0);
   }
   EXPECT_EQ(count_sharp_lobes(level, StorageEncoding::kFloat, 1).count, 0u);

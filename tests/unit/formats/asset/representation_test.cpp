@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rows of representations, each as others ask them.
+// Tests the rows of the table of representations.
 #include "host/formats/asset/representation.h"
 
 #include <gtest/gtest.h>
@@ -28,8 +28,8 @@ TEST(RepresentationTest, RowsAreWhole) {
   }
 }
 
-// docs/reference/file_format.md: a texture a lobe, two of moments, one every four coefficients; features of each lobe,
-// or one a texel.
+// docs/reference/file_format.md: one texture per lobe, two for moments, one per four coefficients. Features take one
+// texture per lobe, or one for the whole texel.
 TEST(RepresentationTest, TexturesAreThoseOfTheFormat) {
   const TexelCounts counts{.lobes = 3, .sh_order = 4};
   const auto textures = [&](const char* name, int features) {
@@ -47,7 +47,7 @@ TEST(RepresentationTest, TexturesAreThoseOfTheFormat) {
   EXPECT_EQ(textures("sh", 2), 8);
 }
 
-// Level 0 has a normal as its family does, and gives it back as others take it.
+// Level 0 stores a normal in its family's form and returns it as other families read it.
 TEST(RepresentationTest, FinestNormalsComeBack) {
   const glm::vec3 normal = glm::normalize(glm::vec3(0.3f, -0.5f, 0.8f));
   for (const LobeFamily* family : {&kSphericalLobes, &kPlanarLobes}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked files of spherical harmonics: rounding, writing, reading, refusing, verifying.
+// Tests baked files of spherical harmonics: rounding, writing, reading, refusing, verifying.
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartInputFile.h>
@@ -45,7 +45,7 @@ void PrintTo(const ShShape& s, std::ostream* out) {
        << storage_encoding_name(s.encoding) << " from level " << s.first_level;
 }
 
-// As a bake leaves them: level 0 single directions, others weaker.
+// Makes harmonics like a bake: level 0 has single directions, other levels are weaker.
 ShMipmap random_harmonics(const ShShape& shape, unsigned seed) {
   std::mt19937 random(seed);
   ShMipmap mipmap;
@@ -118,7 +118,7 @@ TEST_P(ShFileTest, WhatIsWrittenIsRead) {
   for (const VerifyFinding& finding : verify_baked(path, 2)) EXPECT_TRUE(finding.passed) << finding.detail;
 }
 
-// Rows in portions that cut across rows of tiles, levels in turn: the same pixels.
+// Writes portions of rows that cut across rows of tiles, with levels in turn: the pixels do not change.
 TEST_P(ShFileTest, PortionsMakeTheSameFile) {
   const TemporaryFolder folder;
   const ShMipmap mipmap = random_harmonics(GetParam(), 5);
@@ -140,7 +140,7 @@ TEST(ShWriterTest, WithoutCommitNothingStays) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-// What the writer holds of wide maps of many coefficients: lower tiles, never below 16.
+// For wide maps with many coefficients the writer uses lower tiles, but at least 16 rows.
 TEST(ShWriterTest, TilesAreLowerWhereTheyAreLong) {
   EXPECT_EQ(sh_tile_size(1024, 4, 128), 128);
   EXPECT_EQ(sh_tile_size(4096, 4, 128), 64);
@@ -199,7 +199,7 @@ TEST_F(ShRefusalTest, FilesThatAreSomethingElse) {
   }
 }
 
-// Which checks fail of a file with texels changed after they were rounded.
+// Returns the failed checks of a file whose texels were changed after rounding.
 std::vector<std::string> failures(int level, const std::function<void(ShLevel&)>& change) {
   const TemporaryFolder folder;
   ShMipmap mipmap = random_harmonics(kDefault, 9);

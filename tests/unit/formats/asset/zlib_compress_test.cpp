@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What OpenEXR calls is ours, and zlib itself reads back what it writes.
+// Tests that OpenEXR calls our zlib functions, and that zlib itself reads what they write.
 #include "host/formats/asset/exr/zlib_compress.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Bytes = std::vector<Bytef>;
 
-// Of `values` different bytes: 1 compresses to nothing, 256 not at all.
+// Makes bytes of `values` different values: 1 compresses to almost nothing, 256 not at all.
 Bytes random_bytes(std::size_t count, std::uint64_t values) {
   Bytes bytes(count);
   for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<Bytef>(split_mix(i) % values);
@@ -53,7 +53,7 @@ TEST(ZlibCompressTest, QuickLevelsCompressToo) {
   for (int level = 1; level <= 9; ++level) EXPECT_LT(compressed(source, level).size(), source.size() * 6 / 10) << level;
 }
 
-// ISA-L took the size of its window from what lay on the stack before: other matches, other bytes, now and then.
+// ISA-L read the size of its window from uninitialised stack memory: sometimes matches and bytes differed.
 [[gnu::noinline]] void fill_the_stack(std::uint64_t seed) {
   volatile std::uint16_t there[1 << 18];
   for (std::size_t i = 0; i < std::size(there); ++i) there[i] = static_cast<std::uint16_t>(split_mix(seed + i) % 64);
@@ -72,7 +72,7 @@ TEST(ZlibCompressTest, SameBytesWhateverWasInMemory) {
     }
 }
 
-// Compresses `depth` times 64 KiB farther down the stack.
+// Compresses `depth` times 64 KiB deeper on the stack.
 [[gnu::noinline]] Bytes compressed_below(const Bytes& source, int level, int depth) {
   volatile std::uint64_t page[8192];
   page[0] = static_cast<std::uint64_t>(depth);
@@ -81,8 +81,8 @@ TEST(ZlibCompressTest, SameBytesWhateverWasInMemory) {
   return found;
 }
 
-// ISA-L 2.30 enters a string under the hash of the address of its stream, in units of 64 KiB: of short inputs, whose
-// tables of strings are small, 1 in 500 had other bytes at another address, some 25 of these.
+// ISA-L 2.30 hashes strings with the address of its stream, in units of 64 KiB. Short inputs have small tables of
+// strings: 1 in 500 gave other bytes at another address, about 25 of these.
 TEST(ZlibCompressTest, SameBytesWhereverTheStackIs) {
   constexpr int kDepths = 24;
   for (std::uint64_t input = 0; input < 500; ++input) {

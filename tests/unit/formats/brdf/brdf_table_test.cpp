@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of BRDFs: what each row says of itself holds, and its text forms are read, refused and printed.
+// Tests the table of BRDFs: the properties that each row states hold, and its text forms are read, refused and printed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ namespace {
 
 Brdf parsed(const std::string& text) { return parse_brdf("--brdf", text, 4); }
 
-// Of rows that a text names: the name, and its width at the ends of its range and between them.
+// Returns texts that name the family's rows: the name, and its widths at both ends of the range and between.
 std::vector<std::string> texts_of(const BrdfFamily& family) {
   if (family.is_file) return {};
   if (!family.has_width()) return {std::string(family.name)};
@@ -45,7 +45,7 @@ TEST(BrdfTable, EveryRowIsReadAndPrinted) {
   }
 }
 
-// One third more than the ends allow, no number, and as many numbers as no row takes.
+// Tries values a third beyond the ends of the range, a text, and more numbers than any row accepts.
 TEST(BrdfTable, EveryRowRefusesWhatIsNotOfIt) {
   for (const BrdfFamily& family : brdf_families()) {
     if (!family.has_width()) continue;
@@ -65,7 +65,7 @@ TEST(BrdfTable, EveryRowRefusesWhatIsNotOfIt) {
   }
 }
 
-// What was in place of the table: texts and ranges, to the letter.
+// The texts and ranges before the table existed, letter by letter.
 TEST(BrdfTable, FormsAreThoseThatWerePublished) {
   EXPECT_EQ(brdf_text(parsed("cook-torrance:0.07,0.95,0.93,0.88"), ""), "cook-torrance:0.07,0.95,0.93,0.88");
   EXPECT_EQ(brdf_text(parsed("ggx:0.4,0.5"), ""), "ggx:0.4,0.5,0.5,0.5");
@@ -78,7 +78,8 @@ TEST(BrdfTable, FormsAreThoseThatWerePublished) {
   EXPECT_EQ(range_text(brdf_family(BrdfKind::kGgx).members[0]), "a number from 0.05 to 1");
 }
 
-// No density is negative or ends beyond the sphere; it integrates to 1 where the row says so, and fits are of the row.
+// No density is negative or extends beyond the sphere. A density integrates to 1 if its row says so, and fits belong to
+// their row.
 TEST(BrdfTable, DensitiesAreWhatRowsSay) {
   for (const BrdfFamily& family : brdf_families())
     for (const std::string& text : texts_of(family)) {
@@ -90,7 +91,7 @@ TEST(BrdfTable, DensitiesAreWhatRowsSay) {
       }
       EXPECT_EQ(family.density == nullptr, family.fit == BrdfFit::kNone) << text;
       if (family.density == nullptr) continue;
-      EXPECT_NEAR(facet_total(brdf).x, total, 1e-4 * total) << text;  // 1 where the row says so
+      EXPECT_NEAR(facet_total(brdf).x, total, 1e-4 * total) << text;  // 1 if the row says so
       EXPECT_EQ(vmf_terms(brdf).size(), family.fit == BrdfFit::kSum ? 4u : 1u) << text;
       if (family.visibility == nullptr) continue;
       for (const double grazing : {0.0, 1e-9, 1e-3, 1.0}) {

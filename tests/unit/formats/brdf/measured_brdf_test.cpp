@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured BRDFs of all three formats, made here, and environment files: read, factored, refused.
+// Tests measured BRDFs of all three formats, made here, and environment files: reading, factoring, refusing.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -44,7 +44,7 @@ class MeasuredFileTest : public ::testing::Test {
   fs::path folder_;
 };
 
-// 0.2 / pi + f(theta_h) g(theta_d), f a Blinn-Phong of exponent 60, g = 1 + 0.5 sin^2 theta_d.
+// The BRDF is 0.2 / pi + f(theta_h) g(theta_d): f is Blinn-Phong of exponent 60, and g = 1 + 0.5 sin^2 theta_d.
 double made_facets(double theta) { return 0.5 * 61.0 / (2.0 * std::numbers::pi) * std::pow(std::cos(theta), 60.0); }
 double made_rho(double theta_h, double theta_d) {
   return 0.2 / std::numbers::pi + made_facets(theta_h) * (1.0 + 0.5 * std::pow(std::sin(theta_d), 2.0));
@@ -65,7 +65,7 @@ TEST_F(MeasuredFileTest, TextOfSamples) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::string text = "# made\n5\n400 475 550 625 700\n";
   for (int i = 0; i < 40000; ++i) {
-    // Pairs that are near mirror directions, and others.
+    // Makes pairs near mirror directions, and other pairs.
     const double theta = 1.4 * unit(random), phi = 2.0 * std::numbers::pi * unit(random);
     const bool near = i % 2 == 0;
     const double theta_s = near ? std::abs(theta + 0.4 * (unit(random) - 0.5)) : 1.4 * unit(random);
@@ -107,7 +107,7 @@ TEST_F(MeasuredFileTest, BinaryOfMerl) {
 }
 
 TEST_F(MeasuredFileTest, NetworkOfAFit) {
-  // One hidden unit a layer that passes hz on: rho = exp(4 hz - 4) - 1 + ..., clamped at 0: a function of theta_h.
+  // One hidden unit per layer passes hz on: rho = exp(4 hz - 4) - 1 + ..., clamped at 0, a function of theta_h.
   nlohmann::json file;
   file["layers"] = {{{"kernel", {{0.0}, {0.0}, {1.0}, {0.0}, {0.0}, {0.0}}}, {"bias", {0.0}}},
                     {{"kernel", {{4.0, 4.0, 2.0}}}, {"bias", {-2.0, -2.0, -1.0}}}};
@@ -137,7 +137,7 @@ std::string radiance(const std::string& size, const std::string& rows) {
 }
 
 TEST_F(MeasuredFileTest, RadianceRows) {
-  // A row of 8 texels, packed: 8 times 128; 3 and 5 values; 8 of 64; exponent 129: 2^-7 each.
+  // A packed row of 8 texels: 8 times 128; 3 and 5 values; 8 times 64; exponent 129, which is 2^-7 each.
   const std::string packed = std::string("\2\2\0\x8", 4) + std::string("\x88\x80", 2) +
                              std::string("\x3\1\2\3\x5\4\5\6\7\x8", 10) + std::string("\x88\x40", 2) +
                              std::string("\x88\x81", 2);
@@ -146,7 +146,7 @@ TEST_F(MeasuredFileTest, RadianceRows) {
   const ColourMap map = read_environment_map(write("made.hdr", radiance("-Y 4 +X 8", packed + flat + packed + flat)));
   ASSERT_EQ(map.width, 8);
   ASSERT_EQ(map.r.size(), 32u);
-  EXPECT_EQ(map.r[0], 0.5f);  // 128 / 128, over the exposure
+  EXPECT_EQ(map.r[0], 0.5f);  // 128 / 128, divided by the exposure
   EXPECT_EQ(map.g[2], 3.0f / 256.0f);
   EXPECT_EQ(map.g[7], 8.0f / 256.0f);
   EXPECT_EQ(map.b[15], 48.0f / 512.0f);

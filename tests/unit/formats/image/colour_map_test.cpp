@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Albedos come out linear: integers through sRGB or what the file says, floats as they are.
+// Tests that albedos are linear: integers are decoded as sRGB or as the file says, and floats stay unchanged.
 #include "host/formats/image/colour_map.h"
 
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Channels of EXR files of several parts, and Cryptomatte coverage against closed forms and real files.
+// Tests channels of EXR files of several parts, and compares Cryptomatte coverage with closed forms and real files.
 #include "host/formats/image/files/exr_layers.h"
 
 #include <OpenImageIO/imageio.h>
@@ -46,7 +46,7 @@ TEST(ExrLayers, ChannelsOfAnyPartAreReadRowZeroAtTheTop) {
   EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "Z", "diffuse.R"}));
 }
 
-// The limit on channels that reading maps sets for the process must not be in the way of renders of many passes.
+// Reading maps limits the number of channels for the whole process; renders of many passes must still be readable.
 TEST(ExrLayers, MoreChannelsThanAMapMayHave) {
   const TemporaryFolder folder;
   write_test_image(folder / "map.png", normal_image(8, 8));
@@ -97,7 +97,7 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   expect_refused({"crop.exr", "2 x 2 at (1, 0)", "4 x 4", "whole frame"},
                  [&] { read_exr_channels(folder / "crop.exr", {"Z"}); });
 
-  // Parts share a display window, so one of another size is a crop too.
+  // Parts share a display window, so that a part of another size is a crop too.
   OIIO::ImageSpec specs[2] = {{4, 4, 1, OIIO::TypeDesc::FLOAT}, {2, 2, 1, OIIO::TypeDesc::FLOAT}};
   specs[1].full_width = specs[1].full_height = 4;
   specs[0].attribute("oiio:subimagename", "a");
@@ -112,8 +112,8 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   expect_refused({"sizes.exr", "2 x 2 at (0, 0)", "4 x 4"}, [&] { exr_channel_names(sizes); });
 }
 
-// Identifiers by the public test vectors of MurmurHash3: those of the names of Blender's manifests (lengths that leave
-// tails of 0, 1 and 3 bytes), and of names whose hashes have an exponent of all ones or zeros.
+// Identifiers follow the public test vectors of MurmurHash3. The names are those in Blender's manifests (their lengths
+// leave tails of 0, 1 and 3 bytes), and names whose hashes have an exponent of all ones or zeros.
 const std::uint32_t kWalls = 0x0810d53du, kVase = 0x6aaa21aau, kParfait = 0xb007361bu;
 
 ExrPart cryptomatte_part() {
@@ -147,13 +147,13 @@ TEST(Cryptomatte, CoverageByManifestAndByHash) {
   const auto coverage = read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject",
                                                   {"vase", "walls", "other", "parfait", "table_top"});
   EXPECT_EQ(coverage, (std::vector<Plane>{Plane{0.125f, 1.0f, 1.0f},  // by hash
-                                          Plane{0.5f, 0.0f, 0.0f},    // by the manifest
-                                          Plane{0.25f, 0.0f, 0.0f},   // whose identifier is no hash of the name
+                                          Plane{0.5f, 0.0f, 0.0f},    // identified by the manifest
+                                          Plane{0.25f, 0.0f, 0.0f},   // its identifier differs from the name's hash
                                           Plane{0.0625f, 0.0f, 0.0f}, Plane(3, 0.0f)}));
   EXPECT_EQ(find_cryptomatte_names(folder / "crypto.exr", "CryptoObject", {}).manifest,
             (std::vector<std::string>{"other", "walls"}));
   EXPECT_EQ(read_cryptomatte_coverage(folder / "crypto.exr", "ViewLayer.CryptoObject", {"walls"})[0][0], 0.5f)
-      << "the metadata's whole name finds channels without it";
+      << "the metadata's full name finds channels that have a shorter name";
 }
 
 TEST(Cryptomatte, HashesThatAreNoFloatsAreChangedAsTheSpecificationSays) {
@@ -208,8 +208,8 @@ TEST(Cryptomatte, Refusals) {
   expect_part_refused(part, {"half", "Cryptomatte"});
 }
 
-// As other renderers, and programs that repack files, write them: pixel 0 is half "vase", which no manifest has, and a
-// quarter "walls".
+// Files as other renderers and repacking programs write them: half of pixel 0 is "vase", which no manifest names, and a
+// quarter is "walls".
 class ForeignCryptomatte : public ::testing::Test {
  protected:
   ForeignCryptomatte() {
@@ -221,7 +221,7 @@ class ForeignCryptomatte : public ::testing::Test {
     for (std::size_t i = 0; i < 8; ++i) part_.channels[i] = layer + (i < 4 ? "00." : "01.") + suffixes[i % 4];
   }
 
-  // Warnings.
+  // Returns the warnings.
   std::vector<std::string> expect_read(const std::string& layer) {
     const std::string file = folder_ / "crypto.exr";
     write_exr(file, 3, 1, {part_});
@@ -252,7 +252,7 @@ TEST_F(ForeignCryptomatte, ViewLayersBeforeEitherName) {
       for (const char* asked : {"CryptoObject", "ViewLayer.CryptoObject"}) {
         SCOPED_TRACE(std::string(channels) + " " + stated + " " + asked);
         rename(channels, {"r", "g", "b", "a"});
-        part_.name = "crypto";  // which is no part of a channel's name
+        part_.name = "crypto";  // channel names do not contain this part name
         part_.attributes[0].second = stated;
         EXPECT_TRUE(expect_read(asked).empty());
       }
@@ -288,7 +288,7 @@ TEST_F(ForeignCryptomatte, DamagedManifests) {
     ASSERT_FALSE(warnings.empty());
     expect_says(warnings[0], {"manifest", "damaged", "hash"});
   }
-  // What was read before the damage counts.
+  // Entries before the damage count.
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   part_.attributes.back().second = R"({"other":"11223344","wal)";
   write_exr(folder_ / "cut.exr", 3, 1, {part_});
@@ -301,7 +301,7 @@ TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
   std::vector<std::string> warnings = expect_read("CryptoObject");  // another's key
   ASSERT_EQ(warnings.size(), 1u);
   expect_says(warnings[0], {"no metadata", "\"CryptoObject\"", "MurmurHash3"});
-  // The first digits of the hash of "CryptoObject", with the manifest's own identifier.
+  // The first digits of the hash of "CryptoObject"; the manifest has its own identifier.
   part_.attributes = {{"cryptomatte/3ae39a5/manifest", R"({"other":"11223344"})"}};
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   warnings = expect_read("CryptoObject");
@@ -312,7 +312,7 @@ TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
   EXPECT_EQ(expect_read("CryptoObject").size(), 1u);
 }
 
-// The objects of the real field are all that its rooms hold, so their coverages sum to 1, by manifest and by hash.
+// The rooms of the real field hold only its objects, so that their coverages sum to 1, by manifest and by hash.
 TEST(Cryptomatte, RealCoveragesSumToOne) {
   if (shared_field().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder with field_demo1";
   const std::string file = shared_field() + "/geom_v03.exr";

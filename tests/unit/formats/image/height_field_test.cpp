@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slopes of height fields against surfaces whose slopes are known: a plane, a paraboloid (central differences are
-// exact), a sphere cap; every wrap mode at the border.
+// Compares slopes of height fields with surfaces of known slopes: a plane, a paraboloid (central differences are exact)
+// and a sphere cap, with every wrap mode at the border.
 #include "host/formats/image/normals/height_field.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ TestImage height_image(int width, int height, const std::function<double(int, in
   return image;
 }
 
-// (dh/dx, dh/dy), +Y up.
+// Returns (dh/dx, dh/dy), +Y up.
 std::pair<double, double> slopes(const NormalMap& map, int column, int row) {
   const auto i = static_cast<std::size_t>(row * map.width + column);
   const double z = static_cast<double>(map.z[i]);
@@ -41,7 +41,7 @@ TEST(HeightField, PlaneAndScale) {
     NormalMapSettings settings;
     settings.height_scale = scale;
     settings.wrap_s = settings.wrap_t = WrapMode::kClamp;
-    // Rises to the right by 0.25 and downwards by 0.125 a texel: dh/dy is negative.
+    // The plane rises to the right by 0.25 and downwards by 0.125 per texel: dh/dy is negative.
     const NormalMap map =
         read_heights(height_image(20, 12, [](int x, int y) { return 0.25 * x + 0.125 * y; }), settings);
     const auto [sx, sy] = slopes(map, 7, 5);
@@ -58,12 +58,12 @@ TEST(HeightField, ParaboloidIsExact) {
     for (int column = 1; column < 32; ++column) {
       const auto [sx, sy] = slopes(map, column, row);
       ASSERT_NEAR(sx, 0.04 * (column - 16), 1e-5);
-      ASSERT_NEAR(sy, 0.02 * (row - 15), 1e-5);  // upwards is against the rows
+      ASSERT_NEAR(sy, 0.02 * (row - 15), 1e-5);  // upwards is opposite to the order of rows
     }
   }
 }
 
-// The third derivative of the cap over 6 bounds the error: 0.004 where its slope is below 1.
+// The cap's third derivative over 6 bounds the error: 0.004 where its slope is below 1.
 TEST(HeightField, SphereCap) {
   const double radius = 40.0;
   const NormalMap map = read_heights(height_image(50, 50, [=](int x, int y) {
@@ -94,7 +94,7 @@ TEST(HeightField, WrapModesAtTheBorder) {
     EXPECT_NEAR(slopes(map, 3, 0).first, expected.second, 1e-5) << wrap_mode_name(mode);
     EXPECT_NEAR(slopes(map, 0, 0).second, 0.0, 1e-6) << wrap_mode_name(mode);
   }
-  // The same along t: a column, upwards against the rows.
+  // The same along t: a column, where upwards is opposite to the order of rows.
   const TestImage column = height_image(1, 4, [](int, int y) { return 1.0 + y * y; });
   NormalMapSettings settings;
   settings.wrap_s = WrapMode::kClamp;
@@ -102,7 +102,7 @@ TEST(HeightField, WrapModesAtTheBorder) {
   EXPECT_NEAR(slopes(read_heights(column, settings), 0, 0).second, (0.0 - 2.0) / 2, 1e-5);
 }
 
-// A slope of 14.7 degrees is that at the border too, on all four sides and in the corners.
+// A slope of 14.7 degrees stays the same at the border, on all four sides and in the corners.
 TEST(HeightField, APlaneEndsWithItsOwnSlope) {
   const TestImage image = height_image(20, 12, [](int x, int y) { return 0.21 * x - 0.157 * y; });
   for (const WrapMode mode : {WrapMode::kClamp, WrapMode::kMirror}) {
@@ -139,7 +139,7 @@ TEST(HeightField, NonfiniteHeights) {
   settings.wrap_s = WrapMode::kClamp;
   const NormalMap map = read_heights(image, settings);
   EXPECT_EQ(map.report.nonfinite_repaired, 1);
-  EXPECT_NEAR(slopes(map, 8, 7).first, 0.5, 1e-5);  // the neighbours' mean lies on the plane
+  EXPECT_NEAR(slopes(map, 8, 7).first, 0.5, 1e-5);  // the neighbours' mean is on the plane
   settings.fix_nan = FixNan::kBlack;
   EXPECT_NEAR(slopes(read_heights(image, settings), 8, 7).first, 4.5 / 2, 1e-5);
   settings.check_nan = true;
@@ -160,7 +160,7 @@ TEST(HeightField, OneOrTwoGreyValuesAreRefusedUnlessAskedFor) {
     for (const int values : {1, 2}) {
       for (const char* file : {"h.png", "h.jpg"}) {
         TestImage image{.width = 32, .height = 32, .channels = channels};
-        for (int i = 0; i < 32 * 32; ++i)  // the blocks of a JPEG are 8 wide
+        for (int i = 0; i < 32 * 32; ++i)  // JPEG blocks are 8 wide
           for (int c = 0; c < channels; ++c)
             image.values.push_back(values == 2 && i / 8 % 2 == 0 ? 230.0f / 255.0f : 51.0f / 255.0f);
         write_test_image(folder / file, image);
@@ -200,7 +200,8 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   }
 }
 
-// A scale that somebody gave is doubted in other words; a refusal for too steep slopes names a scale, too.
+// The warning about a steep scale depends on who gave the scale; a refusal because of too steep slopes names a scale
+// too.
 TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
   NormalMapSettings settings;
   settings.bump_format = BumpFormat::kHeight;
@@ -216,7 +217,7 @@ TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
                [&] { read_heights(height_image(64, 8, [](int x, int) { return 500.0 * x * x; }), settings); });
 }
 
-// The scale that the warning names is one of which no warning comes.
+// The scale that the warning suggests causes no warning.
 TEST(HeightField, TheSuggestedScaleIsOneToTake) {
   for (const double slope : {1e-5, 0.01, 30.0, 4e6}) {
     NormalMapSettings settings;
@@ -234,7 +235,7 @@ TEST(HeightField, TheSuggestedScaleIsOneToTake) {
   }
 }
 
-// Heights of 8 bits, from 0 to 255 of them.
+// Makes 8-bit heights from 0 to 255.
 TestImage byte_image(int width, int height, const std::function<double(int, int)>& code) {
   TestImage image = height_image(width, height, [&](int x, int y) { return std::round(code(x, y)) / 255.0; });
   image.type = TypeDesc::UINT8;
@@ -253,7 +254,7 @@ NormalMap read_codes(const TestImage& image, bool dequantize, const char* name =
   return read_map(folder / name, settings);
 }
 
-// Angles to the normals of a surface of codes, in degrees: the mean and the largest.
+// Returns the mean and the largest angle to the normals of a surface of codes, in degrees.
 std::pair<double, double> errors(const NormalMap& map, const std::function<double(int, int)>& code) {
   double sum = 0.0, largest = 0.0;
   for (int row = 0; row < map.height; ++row)
@@ -273,7 +274,7 @@ std::pair<double, double> errors(const NormalMap& map, const std::function<doubl
   return {sum / (map.width * map.height), largest};
 }
 
-// Ramps of 7.13 degrees and others are flat but for texels of 45.1 degrees; dequantized they are ramps.
+// Quantized ramps of 7.13 degrees and others are flat except for texels of 45.1 degrees; dequantizing makes them ramps.
 TEST(HeightField, TerracesAreWarnedOfAndDequantized) {
   const std::function<double(int, int)> ramps[] = {[](int x, int) { return 0.25 * 255.0 * x / 1023.0; },
                                                    [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; },
@@ -292,7 +293,8 @@ TEST(HeightField, TerracesAreWarnedOfAndDequantized) {
   }
 }
 
-// 8 bits that were stored in 16 or in floats are terraces too; 16 bits, and a scale that makes steps small, are none.
+// 8-bit heights stored as 16 bits or floats are terraces too. Real 16-bit heights, and scales that make steps small,
+// are not.
 TEST(HeightField, TerracesAreKnownInWiderNumbers) {
   const auto ramp = [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; };
   TestImage image = byte_image(200, 100, ramp);
@@ -331,7 +333,8 @@ TEST(HeightField, DequantizingWithoutEffectIsSaid) {
                        {"without effect on a normal map", "--dequantize"});
 }
 
-// Five heights are a shape, however many of the file's own steps part them: smoothing would take its cliffs away.
+// A map of five heights is a shape, however many of the file's own steps separate them: smoothing would remove its
+// cliffs.
 TEST(HeightField, AFewLevelsAreNoTerraces) {
   TestImage image = height_image(64, 48, [](int x, int) { return 1000.0 * (x / 13) / 65535.0; });
   image.type = TypeDesc::UINT16;
@@ -340,7 +343,7 @@ TEST(HeightField, AFewLevelsAreNoTerraces) {
   testing::expect_says(map.report.warnings.back(), {"without effect", "--dequantize"});
 }
 
-// Curved surfaces keep their shape; a step of two codes stays where it is; all stay within half a step.
+// Curved surfaces keep their shape, a step of two codes stays in place, and every height stays within half a step.
 TEST(HeightField, DequantizingKeepsShapesAndEdges) {
   const auto waves = [](int x, int y) { return 127.0 + 20.0 * std::sin(0.05 * x) * std::cos(0.04 * y); };
   const auto [before, before_max] = errors(read_codes(byte_image(256, 256, waves), false), waves);
@@ -354,7 +357,7 @@ TEST(HeightField, DequantizingKeepsShapesAndEdges) {
   EXPECT_NEAR(slopes(map, 75, 50).second, -0.02 * 512.0 / 255.0, 0.02);
 }
 
-// Maps of several tiles, whose borders nobody sees; the same bits with any number of threads, in scratch files.
+// Maps of several tiles show no borders, and give equal bits with any number of threads and in scratch files.
 TEST(HeightField, DequantizingInTilesShowsNoBorders) {
   const auto ramp = [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; };
   for (const auto& [width, height] : {std::pair{1600, 48}, {48, 1600}}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every format comes back as it was written, alpha multiplies nothing, and what is cut, hostile or of another kind is
+// Tests that every format reads back as written and that alpha multiplies nothing. Cut, hostile and foreign files are
 // refused with a message and without much memory.
 #include "host/formats/image/image_reader.h"
 
@@ -102,7 +102,7 @@ TEST(ImageReaderTest, LongImagesComeInBandsAndWhole) {
   for (std::size_t i = 0; i < image.values.size(); ++i) ASSERT_NEAR(raw.planes[0][i], image.values[i], 1e-5) << i;
 }
 
-// Bands that OpenImageIO 2.4.7 would leave unread (see whole_block_rows() in image_reader.cpp).
+// Covers bands that OpenImageIO 2.4.7 would leave unread (see whole_block_rows() in image_reader.cpp).
 TEST(ImageReaderTest, DoublesOfTiffAreRead) {
   const TemporaryFolder folder;
   for (const int height : {2, 203, 257}) {
@@ -122,7 +122,7 @@ TEST(ImageReaderTest, DoublesOfTiffAreRead) {
   expect_error(ErrorCode::kInput, {"a.tif", "one row of 64-bit floats"}, [&] { read_raw(folder / "a.tif"); });
 }
 
-// Directories and numbers of a TIFF file, in the order that they are given: for what OpenImageIO does not write.
+// Builds a TIFF file from directories and numbers in the given order, for variants that OpenImageIO does not write.
 class TiffBytes {
  public:
   explicit TiffBytes(bool is_big_endian) : is_big_endian_(is_big_endian) {
@@ -140,7 +140,8 @@ class TiffBytes {
     int tag, type;
     std::vector<std::uint64_t> values;
   };
-  // The picture is all that raw() and number() have added since the last page. Entries by tag.
+  // Adds a page whose picture is everything that raw() and number() added since the last page. Entries are sorted by
+  // tag.
   void add_page(std::vector<Entry> entries, int width, int height) {
     entries.insert(entries.end(), {{256, 4, {static_cast<std::uint64_t>(width)}},
                                    {257, 4, {static_cast<std::uint64_t>(height)}},
@@ -176,7 +177,7 @@ class TiffBytes {
   std::size_t link_ = 4, picture_ = 8;
 };
 
-// Bits a sample, what they are (1 unsigned, 2 signed, 3 floats), and what 0 is.
+// Arguments: bits per sample, their type (1 unsigned, 2 signed, 3 floats), and the meaning of 0.
 std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::uint64_t photometric,
                       std::vector<TiffBytes::Entry> more = {}) {
   TiffBytes tiff(is_big_endian);
@@ -190,7 +191,8 @@ std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::u
   return tiff.bytes();
 }
 
-// MinIsWhite of every size of integers is turned round, once; MinIsBlack is not; what has no black is refused.
+// MinIsWhite is inverted once for integers of every size; MinIsBlack is not inverted; types without a black value are
+// refused.
 TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -214,7 +216,7 @@ TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   }
 }
 
-// A colour map's words are v * 257, or v * 256 as some programs write them: v both times, of every v.
+// A colour map's words are v * 257, or v * 256 from some programs: both give v, for every v.
 TEST(ImageReaderTest, PalettesOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -236,7 +238,7 @@ TEST(ImageReaderTest, PalettesOfTiff) {
   }
 }
 
-// What is wrong is said, not only that something is (the files x*.png of PngSuite).
+// Messages name the damage, not only the file (the files x*.png of PngSuite).
 TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   const TemporaryFolder folder;
   write_test_image(folder / "good.png", gradient_image(16, 16, 3));
@@ -261,12 +263,12 @@ TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   expect_cause(with_byte(25, 1), {"found colour type 1"});
   expect_cause(with_byte(25, 3), {"PLTE"});
   expect_cause(with_byte(28, 5), {"interlacing"});
-  expect_cause(with_byte(29, 0x77), {"CRC"});  // of the header
+  expect_cause(with_byte(29, 0x77), {"CRC"});  // the header's CRC
   const std::size_t rows = good.find("IDAT") - 4, end = good.find("IEND") - 4;
   expect_cause(good.substr(0, rows) + good.substr(end), {"no rows (IDAT)"});
 }
 
-// Brightness with differences of colour has fewer samples of these, which OpenImageIO calls damaged.
+// Luminance-chroma files have fewer samples of chroma, which OpenImageIO reports as damage.
 TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
   const TemporaryFolder folder;
   TestImage image = gradient_image(16, 16, 3);
@@ -280,7 +282,7 @@ TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
                [&] { read_raw(folder / "a.exr"); });
 }
 
-// What is not heeded is noted: how the picture is to be turned, and what else is in the file.
+// Ignored properties are noted: the picture's orientation, and further pictures in the file.
 TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   const TemporaryFolder folder;
   const auto notes = [&](const std::string& name) {
@@ -300,7 +302,7 @@ TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
     }
     write_bytes(folder / "a.tif", tiff.bytes());
     expect_says(notes("a.tif"), {"3 pages", "the first", "reduced"});
-    // EXIF has the layout of TIFF: behind "Exif" in JPEG, by itself in PNG.
+    // EXIF has the layout of TIFF: after "Exif" in JPEG, in its own chunk in PNG.
     TiffBytes exif(is_big_endian);
     exif.add_page({{274, 3, {3}}}, 1, 1);
     write_test_image(folder / "a.jpg", gradient_image(16, 16, 3));
@@ -318,7 +320,7 @@ TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   }
 }
 
-// GeoTIFF: texels in metres give the scale of heights in metres; degrees and feet give none.
+// GeoTIFF: a texel size in metres gives the scale of heights in metres; degrees and feet give none.
 TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
   const TemporaryFolder folder;
   const auto with_keys = [&](bool is_big_endian, std::vector<std::uint64_t> keys) {
@@ -342,7 +344,7 @@ TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
   }
 }
 
-// An animation of one picture, by its chunks: VP8X with the animation's flag, ANIM, ANMF around the picture's own.
+// Builds an animation of one picture from chunks: VP8X with the animation flag, ANIM, and ANMF around the picture.
 TEST(ImageReaderTest, AnimationsAreNoted) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.webp", gradient_image(16, 16, 3));
@@ -382,7 +384,8 @@ TEST(ImageReaderTest, AlphaMultipliesNothing) {
   }
 }
 
-// Remove the workaround in image_reader.cpp when an OpenImageIO leaves WebP colours alone: the first half fails then.
+// If an OpenImageIO keeps WebP colours unchanged, the first half of this test fails: then remove the workaround in
+// image_reader.cpp.
 TEST(ImageReaderTest, WebpWithAlphaIsRefused) {
   const TemporaryFolder folder;
   TestImage image = gradient_image(16, 16, 4);
@@ -431,7 +434,7 @@ TEST(ImageReaderTest, ManyChannelsAreReadByNameOrRefused) {
 TEST(ImageReaderTest, WhatIsNoImageIsRefused) {
   const TemporaryFolder folder;
   write_bytes(folder / "empty.png", "");
-  write_bytes(folder / "text.png", "this is no picture");
+  write_bytes(folder / "text.png", "this text is not a picture");
   expect_error(ErrorCode::kInput, {"absent.png", "no such file"}, [&] { read_raw(folder / "absent.png"); });
   expect_error(ErrorCode::kInput, {"is a folder"}, [&] { read_raw(folder / "."); });
   expect_error(ErrorCode::kInput, {"empty.png", "format", "0 bytes", "PNG"}, [&] { read_raw(folder / "empty.png"); });
@@ -453,7 +456,7 @@ TEST(ImageReaderTest, CutFilesAreRefusedInEveryFormat) {
   }
 }
 
-// One byte is changed at a time. Anything but a crash, a hang or a strange exception is right.
+// Changes one byte at a time. The reader must not crash, hang or throw an unknown exception.
 TEST(ImageReaderTest, DamagedBytesNeverCrash) {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "a.exr", "a.jpg", "a.webp"}) {
@@ -484,7 +487,7 @@ TEST(ImageReaderTest, TexelLimitIsCheckedBeforeReading) {
   EXPECT_EQ(read_raw(folder / "a.png", settings).width, 20);
 }
 
-// A PNG of 60 bytes that says 30000 x 30000: within the limit of texels, but not in its bytes.
+// A PNG of 60 bytes claims 30000 x 30000 texels: within the limit of texels, but not within its bytes.
 TEST(ImageReaderTest, SizesThatTheBytesCannotHoldAreRefused) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.png", gradient_image(4, 4, 3));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real files, when MULTUM_SHARED_DATA names the folder of them: each file of its MANIFEST.md must be understood as the
-// manifest describes it, and each file under bad/ must end in an error or open, in bounded time and memory. The rows of
-// the manifest, not names, say what is expected, so that another set of the same form can be tried.
+// Tests real files if MULTUM_SHARED_DATA names their folder. Each file in its MANIFEST.md must read as the manifest
+// says, and each file under bad/ must open or fail in bounded time and memory. The expected results come from the
+// manifest's rows, not from names, so that another set of the same form works too.
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -42,7 +42,7 @@ std::vector<std::string> cells(const std::string& line) {
   return result;
 }
 
-// | file | KiB | format; green up (0.6), ... | what | source | licence |
+// | file | KiB | format; green up (0.6), ... | content | source | licence |
 std::optional<ManifestRow> parse_row(const std::string& line) {
   const std::vector<std::string> row = cells(line);
   if (row.size() < 4 || !(row[0].starts_with("normal/") || row[0].starts_with("height/")) || row[0].ends_with(".npz"))
@@ -69,7 +69,7 @@ std::vector<ManifestRow> manifest_rows() {
 void expect_as_described(const ManifestRow& row, const NormalMap& map) {
   const NormalMapReport& report = map.report;
   const bool is_height_field = report.encoding.starts_with("height field");
-  // A colour that is grey cannot be told from a height; the reason says so.
+  // A grey colour map cannot be distinguished from a height map; the message says so.
   const bool expect_height_field = row.expected != Expected::kNormalMap;
   EXPECT_EQ(is_height_field, expect_height_field) << report.encoding << ": " << report.encoding_reason;
   if (!row.green.empty()) {
@@ -87,7 +87,7 @@ TEST(SharedData, EveryFileOfTheManifestIsUnderstood) {
   const std::vector<ManifestRow> rows = manifest_rows();
   ASSERT_GE(rows.size(), 10u) << "no table in " << shared_data() << "/MANIFEST.md";
   int refused_count = 0;
-  NormalMapSettings settings;  // for the print: how the borders of real maps meet
+  NormalMapSettings settings;  // prints how the borders of real maps meet
   settings.wrap_s_origin = settings.wrap_t_origin = WrapOrigin::kFound;
   for (const ManifestRow& row : rows) {
     SCOPED_TRACE(row.file);
@@ -103,7 +103,7 @@ TEST(SharedData, EveryFileOfTheManifestIsUnderstood) {
   std::cout << rows.size() << " files, " << refused_count << " refused\n";
 }
 
-// The same terrain as heights and as normals: the slopes must agree in size and sign.
+// One terrain as heights and as normals: the slopes must agree in size and sign.
 TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
   const std::string folder = shared_data() + "/height/";
   if (shared_data().empty() || !fs::exists(folder + "jacksboro_height_u16.png"))
@@ -113,7 +113,8 @@ TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
     const NormalMap other = read_map(folder + name);
     for (std::size_t i = 0; i < other.x.size(); ++i) ASSERT_NEAR(other.y[i], expected.y[i], 1e-3) << name;
   }
-  // The normals' scale is not stated to the digit, so it is fitted; the two fits (metres, 840 metres in 16 bits) agree.
+  // The exact scale of the normals is not stated, so it is fitted. The two fits (metres, 840 metres in 16 bits) must
+  // agree.
   double fitted[2] = {0.0, 0.0};
   for (const int source : {0, 1}) {
     const NormalMap heights =
@@ -136,9 +137,9 @@ TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
   EXPECT_NEAR(fitted[1] / fitted[0], 840.0, 1.0);
 }
 
-// Runs in a process of its own, which is why it may end: with 4 GB of address space and 20 s.
+// Runs in a separate process, which may crash: with 4 GB of address space and 20 s.
 [[noreturn]] void read_under_limits(const std::string& path) {
-#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer's shadow memory needs terabytes of addresses
+#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer's shadow memory needs terabytes of address space
   const rlimit limit{rlim_t{4} << 30, rlim_t{4} << 30};
   if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(3);
 #endif

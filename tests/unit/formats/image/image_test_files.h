@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image files for tests, written through OpenImageIO.
+// Writes image files for tests through OpenImageIO.
 #pragma once
 
 #include <limits>
@@ -34,19 +34,19 @@ struct TestImage {
   }
 };
 
-/// Fails the test when OpenImageIO cannot write it.
+/// Writes the file; fails the test if OpenImageIO cannot write it.
 void write_test_image(const std::string& path, const TestImage& image);
 
-/// Unit normals of a periodic surface without symmetries, +Y up; `steepness` is about the rms slope.
+/// Returns unit normals of a periodic surface without symmetries, +Y up; `steepness` is about the rms slope.
 std::vector<glm::dvec3> surface_normals(int width, int height, double steepness = 0.4);
 
-/// Normals as a file's values: three channels, 0..1 unless `is_signed`; `green_sign` -1 is DirectX.
+/// Returns normals as a file's values: three channels, 0..1 unless `is_signed`; `green_sign` -1 is DirectX.
 TestImage normal_image(int width, int height, bool is_signed = false, double green_sign = 1.0);
 
-/// The largest distance between the map and the normals.
+/// Returns the largest distance between the map and the normals.
 double largest_difference(const NormalMap& map, const std::vector<glm::dvec3>& normals);
 
-/// Reads with two threads and no progress.
+/// Reads a map with two threads and without progress.
 NormalMap read_map(const std::string& path, const NormalMapSettings& settings = {});
 
 }  // namespace multum::testing

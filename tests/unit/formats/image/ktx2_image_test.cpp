@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// KTX2 files as multum gltf writes them into models, read as images.
+// Tests reading KTX2 files, as multum gltf writes them into models, as images.
 #include <gtest/gtest.h>
 #include <zstd.h>
 
@@ -27,10 +27,10 @@ std::vector<std::uint8_t> from_hex(const std::string& hex) {
 
 struct UastcCase {
   const char* block;
-  std::uint64_t texels;  // FNV-1a of what unpack_uastc() of Basis Universal's transcoder makes of it
+  std::uint64_t texels;  // FNV-1a of the result of unpack_uastc() in Basis Universal's transcoder
 };
 
-// A block of random bits of each mode, 0 to 18. Two million others were the same.
+// A block of random bits for each mode, 0 to 18. Two million other blocks agreed too.
 constexpr UastcCase kBlocks[] = {
     {"01803cd108d88d73afea79c81e4783c6", 0x7f8bb08a820a6f37}, {"3589a9b9586df6ddf4cc526a8b692470", 0xd78e21bf0b72b606},
     {"dd1d12347a1f31e2d379ddadebb3560f", 0x740e0d2d8d2098de}, {"a3197db322962177633dce87a08343df", 0x928308b68b1299c0},
@@ -60,7 +60,7 @@ TEST(UastcBlock, EveryModeAsTheTranscoderDecodesIt) {
   std::array<std::uint8_t, 16> block{};
   block[0] = 0x45;  // reserved
   EXPECT_FALSE(decode_uastc_block(block.data(), texels.data()));
-  block[0] = 0x13;  // mode 4: of 30 partitions number 31
+  block[0] = 0x13;  // mode 4: partition number 31, but there are 30
   block[2] = 0x3f << 4 & 0xff;
   block[3] = 0x0f;
   EXPECT_FALSE(decode_uastc_block(block.data(), texels.data()));
@@ -117,7 +117,7 @@ class Ktx2ImageTest : public ::testing::Test {
   }
 
   const TemporaryFolder folder_;
-  const std::string path_ = folder_ / "a.png";  // by content, not by name
+  const std::string path_ = folder_ / "a.png";  // recognised by content, not by name
 };
 
 TEST_F(Ktx2ImageTest, TexelsAsTheyAre) {
@@ -184,7 +184,7 @@ TEST_F(Ktx2ImageTest, Refusals) {
   expect_error(ErrorCode::kInput, {path_, "cut"}, [&] { open_library_image(path_, {}); });
 }
 
-// A texture as multum gltf --format rgba8 has it, and one within KHR_texture_basisu.
+// A texture as multum gltf --format rgba8 writes it, and one inside KHR_texture_basisu.
 TEST_F(Ktx2ImageTest, MaterialsOfModels) {
   Ktx2Parts parts;
   parts.level.assign(60, 'x');

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Roughness becomes lengths of normals, channels become weights; what is not from 0 to 1 is refused.
+// Tests that roughness becomes lengths of normals, that channels become weights, and that values outside 0 to 1 are
+// refused.
 #include "host/formats/image/material_maps.h"
 
 #include <cmath>
@@ -14,7 +15,7 @@ namespace {
 
 using OIIO::TypeDesc;
 
-// Values of one channel after the other: channel c of texel i is 0.1 (i + 1) + 0.02 c.
+// Channel c of texel i has the value 0.1 (i + 1) + 0.02 c.
 TestImage four_channels(TypeDesc::BASETYPE type, int channels) {
   TestImage image{.width = 3, .height = 2, .channels = channels, .type = type};
   for (int i = 0; i < 6; ++i)
@@ -32,7 +33,7 @@ PlaneStore flat(int width, int height) {
   return store;
 }
 
-// Roughness that a channel of four_channels() stands for at texel 0.
+// Returns the roughness of texel 0 that is read from a channel of four_channels().
 double roughness_read(const std::string& text) {
   PlaneStore normals = flat(3, 2);
   shorten_by_roughness(normals, parse_channel_file(text), {}, 1);
@@ -63,7 +64,7 @@ TEST(RoughnessMap, ChannelsAreChosenByLetterOrNameAndGreenIsTheUsual) {
   write_test_image(folder / "b.exr", one);
   EXPECT_NEAR(roughness_read(folder / "b.exr"), 0.1, 1e-3);
   EXPECT_NEAR(roughness_read((folder / "b.exr") + ":material.rough"), 0.1, 1e-3);
-  // A file whose name has a colon is a file.
+  // A file whose name contains a colon is still a file.
   std::filesystem::copy_file(path, folder / "c:A");
   EXPECT_NEAR(roughness_read(folder / "c:A"), 0.12, 10 * kStep);
 }
@@ -79,7 +80,7 @@ TEST(RoughnessMap, ZeroChangesNothingAndOneHalves) {
   EXPECT_EQ(normals.texel(1, 0), (std::array<float, 3>{0.3f, 0.0f, 0.4f}));
 }
 
-// Of a map of 16 x 16 texels, each as value(i) says.
+// Reads a map of 16 x 16 texels with the values value(i, c).
 RoughnessReport report_of(int channels, const std::function<float(int i, int c)>& value, bool is_gloss = false,
                           const std::string& channel = "", const std::string& name = "map.exr") {
   const TemporaryFolder folder;
@@ -108,8 +109,8 @@ TEST(RoughnessMap, SaysWhatItHolds) {
   EXPECT_EQ(gloss.share_one, 0.25);
 }
 
-// What shared/data has of each kind: specular maps are dark, pictures have channels that go together, packed maps
-// (occlusion, roughness, metalness) channels that do not, and grey files three that are the same.
+// Imitates the files of shared/data: specular maps are dark, and channels of pictures are correlated. Channels of
+// packed maps (occlusion, roughness, metalness) are not correlated, and grey files have three equal channels.
 TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
   const auto wave = [](int i, double by) { return static_cast<float>(0.5 + 0.3 * std::sin(by * i)); };
   const auto rough = [&](int i, int) { return wave(i, 0.7); };
@@ -129,7 +130,7 @@ TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
   const auto black = [](int i, int) { return i % 4 == 0 ? 0.6f : 0.0f; };
   ASSERT_EQ(report_of(1, black, true).warnings.size(), 1u);
   expect_says(report_of(1, black, true).warnings[0], {"map.exr: ", "75 %", "no gloss", "specular"});
-  // Of other channels any number will do.
+  // Other channels may hold any number.
   const auto broken = [&](int i, int c) { return c == 1 ? rough(i, c) : c == 0 ? NAN : -5.0f; };
   EXPECT_TRUE(report_of(3, broken).warnings.empty());
 }
@@ -170,7 +171,7 @@ TEST(RoughnessMap, ANameThatSaysAnotherMapIsWarnedOf) {
   expect_says(warning(true, "a_s.exr"), {"a_s.exr: ", "specular map", "given as --gloss"});
   expect_says(warning(false, "a_metallic.exr"), {"metalness map", "given as --roughness"});
   EXPECT_EQ(warning(true, "a_s.exr", "R"), "") << "the channel was named";
-  // A polished surface: the name settles what the numbers leave open.
+  // A polished surface: the name decides if the numbers do not.
   const auto polished = [](int i, int) { return i % 2 == 0 ? 0.6f : 0.95f; };
   EXPECT_TRUE(report_of(1, polished, true, "", "a_gloss.exr").warnings.empty());
   EXPECT_EQ(report_of(1, polished, true).warnings.size(), 1u);
@@ -207,11 +208,11 @@ TEST(RoughnessMap, WhatCannotBeIsRefused) {
     image.values[3 * 4 + 1] = bad;  // green of texel (1, 1)
     write_test_image(folder / "b.exr", image);
     expect_error(ErrorCode::kInput, {"b.exr", "(1, 1)", "channel G", "0 to 1"}, [&] { shorten("b.exr", "", 3); });
-    shorten("b.exr", "R", 3);  // what is not asked for does not matter
+    shorten("b.exr", "R", 3);  // channels that are not read do not matter
   }
 }
 
-// Pages, orientation and the like are said of every map, with its name.
+// Pages, orientation and similar notes are reported for every map, with its name.
 TEST(MaterialMaps, WhatIsNotHeededIsSaid) {
   const TemporaryFolder folder;
   const std::string path = folder / "two.tif";

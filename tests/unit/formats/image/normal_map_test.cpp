@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every encoding gives back the normals that were written, whatever it must be found from; what is no normal map is
-// refused; every repair is counted; no thread count changes a bit.
+// Tests reading normal maps: every encoding gives back the original normals, also if the encoding must be detected.
+// Other files are refused, every repair is counted, and no thread count changes a bit.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct EncodingCase {
   TypeDesc::BASETYPE type;
   bool is_signed;
   double green_sign;
-  double tolerance;  // of a unit vector: the quantum, or what the compression leaves
+  double tolerance;  // on unit vectors: the quantum, or the compression's error
 };
 
 class NormalEncoding : public ::testing::TestWithParam<EncodingCase> {};
@@ -108,8 +108,9 @@ TEST(NormalMapReading, TwoChannelsRebuildZ) {
   }
 }
 
-// Blue that is no z, however near the other numbers make it: 0 would point down, and 1 is near the z of most texels.
-// Steepness up to 62 degrees; compression noise on blue; 8 and 16 bits, floats.
+// A constant blue is filler and not z, even if some vectors happen to have unit length. Blue 0 would point down; blue 1
+// is near the z of most texels. Covers steepness up to 62 degrees, compression noise on blue, 8 and 16 bits, and
+// floats.
 TEST(NormalMapReading, AConstantBlueIsFillerWhereItCompletesNoVector) {
   const TemporaryFolder folder;
   for (const double steepness : {0.15, 0.3, 0.6}) {
@@ -137,8 +138,7 @@ TEST(NormalMapReading, AConstantBlueIsFillerWhereItCompletesNoVector) {
   }
 }
 
-// The z of nearly flat normals rounds to one code: it stays z, and rebuilding it would give the same within half a
-// code.
+// The z of nearly flat normals rounds to one code. This blue stays z, and a rebuilt z would agree within half a code.
 TEST(NormalMapReading, TheBlueOfNearlyFlatMapsStaysZ) {
   const TemporaryFolder folder;
   for (const double steepness : {0.01, 0.03}) {
@@ -159,8 +159,8 @@ TEST(NormalMapReading, TheBlueOfNearlyFlatMapsStaysZ) {
   }
 }
 
-// Normals times a constant, whatever it is, are what they were, and it is said; where the file rounds them away, they
-// are refused with their length.
+// Normals times any constant are normalised back, and a warning says so. If the file rounds them away, they are refused
+// with their length.
 TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   const TemporaryFolder folder;
   struct Case {
@@ -193,7 +193,7 @@ TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   expect_error(ErrorCode::kInput, {"a.png", "--bumpformat"}, [&] { read_map(folder / "a.png"); });
 }
 
-// Two texels beyond all others do not make a map grey, nor a direction: as NaN is repaired, so are they.
+// Two outliers do not change the detection of greyness or direction: like NaN, they are repaired.
 TEST(NormalMapReading, OutliersHideNothing) {
   const TemporaryFolder folder;
   for (const float outlier : {1e12f, 1e30f, -1e30f}) {
@@ -209,7 +209,7 @@ TEST(NormalMapReading, OutliersHideNothing) {
   }
 }
 
-// (x, y, 1) that was never normalised: blue is constant but means something, since x^2 + y^2 exceeds 1.
+// (x, y, 1) without normalisation: blue is constant but meaningful, since x^2 + y^2 exceeds 1.
 TEST(NormalMapReading, ConstantBlueOfSteepSlopesIsUsed) {
   const TemporaryFolder folder;
   TestImage image;
@@ -217,7 +217,7 @@ TEST(NormalMapReading, ConstantBlueOfSteepSlopesIsUsed) {
   image.type = TypeDesc::UINT16;
   std::vector<glm::dvec3> normals = surface_normals(64, 64, 0.9);
   for (glm::dvec3& n : normals) {
-    n = glm::dvec3(std::clamp(n.x / n.z, -1.0, 1.0), std::clamp(n.y / n.z, -1.0, 1.0), 1.0);  // as far as a file goes
+    n = glm::dvec3(std::clamp(n.x / n.z, -1.0, 1.0), std::clamp(n.y / n.z, -1.0, 1.0), 1.0);  // clamped
     for (const double v : {n.x, n.y, n.z}) image.values.push_back(static_cast<float>(v * 0.5 + 0.5));
     n /= std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
   }
@@ -279,7 +279,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       const NormalMap map = read_map(folder / "flat.png");
       EXPECT_TRUE(contains(map.report.encoding, "undecided")) << map.report.encoding;
       EXPECT_TRUE(contains(warnings(map), "gain nothing")) << warnings(map);
-      EXPECT_FALSE(contains(warnings(map), "green")) << warnings(map);  // which is 0 either way
+      EXPECT_FALSE(contains(warnings(map), "green")) << warnings(map);  // 0 for both signs of green
       for (std::size_t i = 0; i < map.x.size(); ++i) {
         EXPECT_EQ(map.x[i], 0.0f);
         EXPECT_EQ(map.y[i], 0.0f);
@@ -289,7 +289,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
   }
 }
 
-// Directions that are random from texel to texel are the slopes of no surface, with green up or down.
+// Directions that are random from texel to texel are not the slopes of any surface, whether green is up or down.
 TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   const TemporaryFolder folder;
   std::mt19937 generator(11);
@@ -309,8 +309,8 @@ TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
 }
 
-// A setting against the evidence is followed, and said; one that agrees with it, or that nothing speaks against, is
-// not remarked upon.
+// A setting that contradicts the gradients is followed, with a warning. A setting that agrees with them, or that
+// nothing contradicts, causes no warning.
 TEST(NormalMapReading, GreenAgainstTheGradientsIsWarnedOf) {
   const TemporaryFolder folder;
   for (const double file_sign : {1.0, -1.0}) {
@@ -344,7 +344,7 @@ TEST(NormalMapReading, FlatTwoChannelFloatsAreSigned) {
 TEST(NormalMapReading, EightBitsDecodeAsAGpuDoes) {
   const glm::dvec3 v = decode_vector({.flat_pair = true}, 130.0f / 255.0f, 128.0f / 255.0f, 1.0f);
   EXPECT_NEAR(v.x, 130.0 / 255.0 * 2.0 - 1.0, 1e-6);
-  EXPECT_NEAR(v.y, 128.0 / 255.0 * 2.0 - 1.0, 1e-6);  // only a pair of flat codes is flat
+  EXPECT_NEAR(v.y, 128.0 / 255.0 * 2.0 - 1.0, 1e-6);  // a texel is flat only if both codes are flat
   EXPECT_EQ(v.z, 1.0);
 }
 
@@ -410,7 +410,7 @@ TEST(NormalMapReading, ObjectSpaceMapsAreRefused) {
   expect_error(ErrorCode::kInput, {"object-space"}, [&] { read_map(folder / "object.png"); });
 }
 
-// Directions of any length up to 1 without a third channel, as in an anisotropy map: not the slopes of a surface.
+// Directions of any length up to 1 without a third channel, as in an anisotropy map, are not the slopes of a surface.
 TEST(NormalMapReading, FlowMapsAreRefused) {
   const TemporaryFolder folder;
   std::mt19937 generator(5);
@@ -452,7 +452,7 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
   const TemporaryFolder folder;
   const TestImage full = normal_image(64, 64);
   TestImage image{.width = 64, .height = 64, .channels = 4, .alpha_channel = 3};
-  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1: the same as green
+  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1: blue equals green
     image.values.clear();
     for (std::size_t i = 0; i < full.values.size(); i += 3)
       image.values.insert(image.values.end(),
@@ -463,7 +463,8 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
   }
 }
 
-// As glTF's normalTexture.scale: x and y times it, then unit length; what the file is taken for stays the same.
+// Scaling follows glTF's normalTexture.scale: x and y are multiplied, then normalised; the detected encoding does not
+// change.
 TEST(NormalMapReading, NormalsAreScaled) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.exr", normal_image(32, 16, true));
@@ -530,7 +531,7 @@ TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
 }
 
-// A signed float map with holes of each kind at known places.
+// A signed float map with each kind of hole at known places.
 class NormalRepair : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -562,7 +563,7 @@ TEST_F(NormalRepair, NonfiniteTexelsByEachRule) {
   EXPECT_EQ(box.report.nonfinite_repaired, 3);
   EXPECT_EQ(box.report.zero_length_repaired, 0);
   EXPECT_EQ(box.report.below_horizon_repaired, 0);
-  EXPECT_LT(largest_difference(box, surface_normals(64, 64)), 0.1);  // the neighbours' mean is near what was lost
+  EXPECT_LT(largest_difference(box, surface_normals(64, 64)), 0.1);  // the neighbours' mean is near the lost normal
   NormalMapSettings settings;
   settings.fix_nan = FixNan::kBlack;
   const NormalMap flat = read(settings);
@@ -622,7 +623,7 @@ TEST_F(NormalRepair, UnitLengthWhateverTheFileHas) {
   EXPECT_LT(largest_difference(map, surface_normals(64, 64)), 1e-6);
 }
 
-// The area between the charts of an atlas is black; it is neither evidence nor damage.
+// The black area between the charts of an atlas is neither evidence nor damage.
 TEST(NormalMapReading, UnusedTexelsAreFlatAndNoRepairs) {
   const TemporaryFolder folder;
   TestImage image = normal_image(64, 64);

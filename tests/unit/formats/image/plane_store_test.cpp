@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes that are kept in memory or in a scratch file come back row by row as they were.
+// Tests that planes in memory and in a scratch file read back row by row unchanged.
 #include "host/formats/image/plane_store.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ std::array<std::vector<float>, 3> counted_planes() {
 
 void expect_rows_come_back(PlaneStore& store) {
   const auto planes = counted_planes();
-  for (int row = kHeight - 1; row >= 0; row -= 2) {  // upwards, two rows at a time, the last alone
+  for (int row = kHeight - 1; row >= 0; row -= 2) {  // upwards, two rows at a time, then a single row
     const int first = row > 0 ? row - 1 : 0;
     const std::size_t offset = static_cast<std::size_t>(first * kWidth);
     store.write_rows(first, row - first + 1, {&planes[0][offset], &planes[1][offset], &planes[2][offset]});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where an image is kept and how many rows are looked at together changes no bit of the result, no count and no
-// refusal; scratch files are not seen and leave nothing behind.
+// Tests that neither the storage of an image nor the number of rows per band changes a bit of the result, a count or a
+// refusal. Scratch files are invisible and leave nothing behind.
 #include "host/formats/image/plane_store.h"
 #include "host/foundation/base/files/spill_policy.h"
 
@@ -44,7 +44,7 @@ void expect_same_report(const NormalMapReport& found, const NormalMapReport& exp
 
 class ReadingRowsTest : public ::testing::Test {
  protected:
-  // In scratch files, in memory, and (with 4096 bytes) some of both for the sizes here.
+  // Runs with scratch files, in memory, and (with 4096 bytes) with a mix of both for the sizes here.
   template <typename Body>
   void for_each_place(const Body& body) {
     for (const int band_rows : {1, 2, 7, 0}) {
@@ -55,7 +55,7 @@ class ReadingRowsTest : public ::testing::Test {
       }
     }
   }
-  // All places give what the whole map in memory is, whose bands are taller than the image.
+  // All storages give the same result as the whole map in memory, whose bands are taller than the image.
   void expect_same_everywhere(const std::string& path, const NormalMapSettings& settings = {}) {
     SCOPED_TRACE(path);
     const NormalMap whole = read_map(path, settings);
@@ -107,7 +107,7 @@ TEST_F(ReadingRowsTest, TwoChannelsAndConstantBlue) {
   expect_same_everywhere(write("two.exr", two));
 }
 
-// Holes of every kind in every row, some below one another: each band borders on one.
+// Holes of every kind in every row, some below one another: each band has one at its border.
 TEST_F(ReadingRowsTest, RepairsReachOverTheBorders) {
   TestImage image = normal_image(61, 47, true);
   image.type = TypeDesc::FLOAT;
@@ -154,12 +154,12 @@ TEST_F(ReadingRowsTest, HeightsOfThreeChannels) {
   expect_same_everywhere(write("grey.png", image));
 }
 
-// A PNG with texts before and behind its picture is read from its file, past them.
+// A PNG with text chunks before and after its picture is read from its file; the text is skipped.
 TEST_F(ReadingRowsTest, MetadataIsPassedOver) {
   TestImage image = normal_image(61, 47);
   const NormalMap plain = read_map(write("a.png", image));
   std::string bytes = read_bytes(folder_ / "a.png");
-  const std::string text("\0\0\0\5zTXtabcde....", 17);  // no reader must look at it: its check sum is wrong
+  const std::string text("\0\0\0\5zTXtabcde....", 17);  // readers must skip it: its CRC is wrong
   bytes.insert(bytes.size() - 12, text);
   bytes.insert(33, text);
   write_bytes(folder_ / "a.png", bytes);
@@ -187,7 +187,7 @@ TEST_F(ReadingRowsTest, AlbedoOfEveryKind) {
   }
 }
 
-// What refuses a file is counted over all bands.
+// The causes of a refusal are counted over all bands.
 TEST_F(ReadingRowsTest, RefusalsNameTheSame) {
   TestImage image = normal_image(64, 64, true);
   image.type = TypeDesc::FLOAT;

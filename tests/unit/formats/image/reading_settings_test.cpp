@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a map was read survives the text that a baked file keeps of it.
+// Tests that a map's reading settings survive as text in a baked file.
 #include "host/formats/image/normals/reading_settings.h"
 
 #include <gtest/gtest.h>

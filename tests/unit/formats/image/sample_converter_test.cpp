@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of every type as floats: what OpenImageIO makes of them, to the bit.
+// Tests that numbers of every type convert to the same floats as in OpenImageIO, bit for bit.
 #include "host/formats/image/sample_converter.h"
 
 #include <OpenImageIO/imageio.h>
@@ -20,7 +20,7 @@ OIIO::TypeDesc type_desc(int code) { return OIIO::TypeDesc(static_cast<OIIO::Typ
 
 class SampleConverterTest : public ::testing::TestWithParam<int> {
  protected:
-  /// Bytes at random; of 8 and 16 bits, every code.
+  /// Returns random bytes, or every code for 8 and 16 bits.
   std::vector<std::byte> samples() const {
     const std::size_t bytes = number_bytes(GetParam());
     const std::size_t count = bytes > 2 ? 20000 : std::size_t{1} << (8 * bytes);
@@ -45,7 +45,7 @@ TEST_P(SampleConverterTest, IsOpenImageIosConversion) {
                                          static_cast<int>(count)));
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (std::isnan(ours[i]) && std::isnan(theirs[i])) continue;  // which NaN is nobody's promise
+    if (std::isnan(ours[i]) && std::isnan(theirs[i])) continue;  // either NaN is right
     if (std::bit_cast<std::uint32_t>(ours[i]) == std::bit_cast<std::uint32_t>(theirs[i])) continue;
     if (++wrong < 5) ADD_FAILURE() << "sample " << i << ": " << ours[i] << ", expected " << theirs[i];
   }

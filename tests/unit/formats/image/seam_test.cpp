@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps that tile and maps that do not, along each direction by itself: what is said of them, and what --wrap auto makes
-// of them.
+// Tests maps that tile and maps that do not, separately along each direction: the messages, and the choice of --wrap
+// auto.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -28,7 +28,7 @@ NormalMapSettings settings_with(WrapOrigin origin, WrapMode mode = WrapMode::kPe
   return settings;
 }
 
-// Waves that go on across a border where it tiles, and are cut in mid-wave where it does not.
+// Makes waves that continue across a border that tiles and are cut mid-wave at a border that does not.
 TestImage waves(int width, int height, bool tiles_s, bool tiles_t) {
   TestImage image{.width = width, .height = height, .channels = 1, .type = TypeDesc::UINT16};
   const double u_waves = tiles_s ? 3.0 : 2.5, v_waves = tiles_t ? 2.0 : 2.6;
@@ -62,7 +62,7 @@ TEST(Seam, EachDirectionIsToldByItself) {
         EXPECT_EQ(found.report.wrap_s, tiles_s ? WrapMode::kPeriodic : WrapMode::kClamp);
         EXPECT_EQ(found.report.wrap_t, tiles_t ? WrapMode::kPeriodic : WrapMode::kClamp);
         expect_says(found.report.encoding_reason, {tiles_s ? "periodic along s" : "clamp along s", "rms"});
-        // Heights are differentiated across the border that was found, no other.
+        // Heights are differentiated only across borders that tile.
         NormalMapSettings said = settings_with(WrapOrigin::kSaid);
         said.wrap_s = found.report.wrap_s;
         said.wrap_t = found.report.wrap_t;
@@ -77,7 +77,7 @@ TEST(Seam, NormalMapsAreMeasuredToo) {
   TestImage whole = normal_image(128, 96);
   write_test_image(folder / "whole.png", whole);
   EXPECT_EQ(warnings_of(read_map(folder / "whole.png")), "");
-  TestImage cut{.width = 77, .height = 96};  // the left part of it
+  TestImage cut{.width = 77, .height = 96};  // the left part of the map
   for (int row = 0; row < 96; ++row)
     for (int column = 0; column < 77; ++column)
       for (int c = 0; c < 3; ++c) cut.values.push_back(whole.at(column, row, c));
@@ -87,8 +87,8 @@ TEST(Seam, NormalMapsAreMeasuredToo) {
   EXPECT_EQ(said.find("--twrap"), std::string::npos) << said;
 }
 
-// Texels that are independent meet anywhere; lines along the border, as of tiles, are steps inside as well; one row or
-// a few texels tell nothing.
+// Independent texels match at any border; lines along the border, as between tiles, are steps inside the map too; one
+// row or a few texels tell nothing.
 TEST(Seam, WhatOnlyLooksLikeOneIsNone) {
   const TemporaryFolder folder;
   std::mt19937 generator(7);
@@ -102,7 +102,7 @@ TEST(Seam, WhatOnlyLooksLikeOneIsNone) {
   }
   TestImage bricks{.width = 64, .height = 64, .channels = 1, .type = TypeDesc::UINT16};
   for (int i = 0; i < 64 * 64; ++i) {
-    const bool is_joint = i % 16 < 2 || i / 64 % 16 < 2;  // at the left and at the top of each brick, and of the map
+    const bool is_joint = i % 16 < 2 || i / 64 % 16 < 2;  // at the left and the top of each brick, and hence of the map
     bricks.values.push_back(is_joint ? 0.2f : 0.8f + 0.1f * uniform(generator));
   }
   write_test_image(folder / "a.png", bricks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures are means over areas: what a pixel covers by a fraction counts by that fraction.
+// Tests that small pictures are means over areas: a pixel counts by the fraction of it that is covered.
 #include "host/formats/image/small_picture.h"
 
 #include <numeric>
@@ -13,7 +13,7 @@ using OIIO::TypeDesc;
 
 TEST(SmallPicture, PixelsAreMeansOverTheirAreas) {
   const TemporaryFolder folder;
-  // Three columns to two: the middle one is shared by halves.
+  // Three columns become two: each gets half of the middle one.
   write_test_image(folder / "a.png", {.width = 3,
                                       .height = 1,
                                       .values = {0.0f, 0.0f, 0.0f, 0.6f, 0.6f, 0.6f, 0.0f, 1.0f, 0.2f},

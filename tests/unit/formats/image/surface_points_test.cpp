@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of the surface between texels: their means are those of what a renderer interpolates.
+// Tests points of the surface between texels: their means equal those of the surface that a renderer interpolates.
 #include "host/formats/image/surface_points.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ std::array<float, 3> unit(float x, float y, float z) {
   return {x / length, y / length, z / length};
 }
 
-// A pattern of 5 x 7 values, repeated until each of them has had each point in its turn.
+// A pattern of 5 x 7 values, repeated until each value has had each point once.
 constexpr int kPatternWidth = 5, kPatternHeight = 7, kTiledWidth = 20, kTiledHeight = 28;
 
 std::vector<double> pattern() {
@@ -58,7 +58,7 @@ double pattern_at(const std::vector<double>& texels, int x, int y) {
   return texels[static_cast<std::size_t>(y % kPatternHeight * kPatternWidth + x % kPatternWidth)];
 }
 
-// The mean of v^power over the surface, by Simpson's rule between texel middles, exact up to power 3.
+// Returns the mean of v^power over the surface by Simpson's rule between texel centres; exact up to power 3.
 double surface_moment(const std::vector<double>& texels, int power) {
   constexpr double kWeights[] = {1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
   double sum = 0.0;
@@ -102,7 +102,7 @@ TEST(SurfacePointsTest, NormalsAreUnitAndShortenedOnesKeepTheirLengths) {
   PlaneRows points = plane_rows_of(surface_normals(normals, {}, {}, 1, nullptr));
   for (std::size_t i = 0; i < points[0].size(); ++i)
     EXPECT_NEAR(std::hypot(points[0][i], points[1][i], points[2][i]), 1.0f, 1e-6f);
-  // One direction, two lengths: the direction stays, lengths are interpolated.
+  // One direction with two lengths: the direction stays, and lengths are interpolated.
   PlaneStore rough = filled_store(8, 8, [](int x, int) {
     const float length = x < 4 ? 0.5f : 1.0f;
     return std::array<float, 3>{0.6f * length, 0.0f, 0.8f * length};
@@ -113,7 +113,7 @@ TEST(SurfacePointsTest, NormalsAreUnitAndShortenedOnesKeepTheirLengths) {
   points = plane_rows_of(between);
   const float expected[] = {0.5f, 0.5f, 0.5f, 0.60566f, 0.89434f, 1.0f, 1.0f, 1.0f};
   for (std::size_t x = 0; x < 8; ++x) {
-    const std::size_t i = 8 + x;  // of row 1, where texels 3 and 4 look at one another
+    const std::size_t i = 8 + x;  // in row 1, where texels 3 and 4 use each other as neighbours
     EXPECT_NEAR(std::hypot(points[0][i], points[1][i], points[2][i]), expected[x], 1e-5f) << x;
     EXPECT_NEAR(points[0][i] / points[2][i], 0.75f, 1e-5f);
   }
@@ -123,7 +123,7 @@ TEST(SurfacePointsTest, BordersContinueAsTheMapDoes) {
   const PlaneStore ramp = filled_store(4, 4, [](int x, int) {
     return std::array<float, 3>{static_cast<float>(x), 0, 0};
   });
-  const auto first_of_row_1 = [&](WrapMode mode) {  // its neighbour lies beyond the border
+  const auto first_of_row_1 = [&](WrapMode mode) {  // its neighbour is beyond the border
     return plane_rows_of(surface_values(ramp, {mode, WrapMode::kPeriodic}, {}, 1, nullptr))[0][4];
   };
   EXPECT_FLOAT_EQ(first_of_row_1(WrapMode::kPeriodic), 0.211324865f * 3.0f);
@@ -131,7 +131,7 @@ TEST(SurfacePointsTest, BordersContinueAsTheMapDoes) {
     EXPECT_FLOAT_EQ(first_of_row_1(mode), 0.0f);
 }
 
-// A step along an axis is as wide wherever it lies: as many points are on its slope.
+// A step along an axis is equally wide wherever it is: the same number of points are on its slope.
 TEST(SurfacePointsTest, StepsHaveAsManyPointsWhereverTheyLie) {
   for (int at = 1; at < 8; ++at)
     for (const bool along_x : {false, true}) {
@@ -146,7 +146,7 @@ TEST(SurfacePointsTest, StepsHaveAsManyPointsWhereverTheyLie) {
     }
 }
 
-// Of four with 0.622, 0.167, 0.167 and 0.045 of the weight: (0.464 * 0.622 + 0.045) - 2 * 0.167 is 0.
+// Four normals with weights 0.622, 0.167, 0.167 and 0.045: (0.464 * 0.622 + 0.045) - 2 * 0.167 is 0.
 TEST(SurfacePointsTest, NormalsThatCancelGiveTheNearestOne) {
   constexpr float kOwn = 0.46410162f;  // (2 g (1 - g) - g^2) / (1 - g)^2, g = 0.2113
   for (const float sign : {1.0f, -1.0f}) {
@@ -158,7 +158,8 @@ TEST(SurfacePointsTest, NormalsThatCancelGiveTheNearestOne) {
     const PlaneRows sums = plane_rows_of(surface_values(opposed, {}, {}, 1, nullptr));
     ASSERT_NEAR(sums[0][0], 0.0f, 2e-7f);
     const PlaneRows points = plane_rows_of(surface_normals(opposed, {}, {}, 1, nullptr));
-    EXPECT_NEAR(points[0][0], sign * (0.62201f * kOwn + 0.37799f), 1e-4f) << "as long as the four, as the own one";
+    EXPECT_NEAR(points[0][0], sign * (0.62201f * kOwn + 0.37799f), 1e-4f)
+        << "the point is as long as the four normals and as its own texel";
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tiles of a set against the picture that they were cut from: its slopes at their borders, and one green for all.
+// Compares tiles of a set with the picture that they were cut from: slopes at their borders, and one green for all.
 #include "host/formats/image/normals/tile_set.h"
 
 #include <atomic>
@@ -33,7 +33,8 @@ TestImage cut_image(int x0, int y0, int width, int height, TypeDesc type = TypeD
 
 class TileSetTest : public ::testing::Test {
  protected:
-  // Rows of tiles, from the bottom: two tiles wide, two high, as one picture of kSide a tile.
+  // Writes one tile of the set; rows of tiles count from the bottom. The picture is two tiles wide and two high, with
+  // tiles of kSide.
   void write_tile(const std::string& tile, int u, int v, TypeDesc type = TypeDesc::UINT16) {
     write_test_image(folder_ / ("h_" + tile + ".png"), cut_image(u * kSide, (1 - v) * kSide, kSide, kSide, type));
   }
@@ -49,7 +50,7 @@ class TileSetTest : public ::testing::Test {
     TileSets().enter(folder_ / "h_<UDIM>.png", tile, settings);
     return read_map(folder_ / ("h_" + tile + ".png"), settings);
   }
-  // Of rows and columns of a tile, against the same of the whole.
+  // Returns the largest angle between a tile's normals and those of the whole picture at the same texels.
   double largest_angle(const NormalMap& tile, int u, int v, const NormalMap& whole) {
     double largest = 0.0;
     for (int row = 0; row < kSide; ++row)
@@ -100,7 +101,7 @@ TEST_F(TileSetTest, KnowsWhatIsBesideATile) {
   expect("1011", TileSide::kRight, Kind::kOtherEnd, "1011");
 }
 
-// In every wrap mode the tiles' normals are the whole's, at inner borders and at outer ones.
+// In every wrap mode the tiles' normals equal the whole picture's normals, at inner and at outer borders.
 TEST_F(TileSetTest, TilesAreOneSurface) {
   write_set();
   for (const WrapMode mode : {WrapMode::kPeriodic, WrapMode::kClamp, WrapMode::kMirror, WrapMode::kBlack}) {
@@ -126,7 +127,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   EXPECT_TRUE(has_warning(beside_gap, {"missing tile 1002", "right", "end"}));
   settings_.wrap_s = WrapMode::kClamp;
   const NormalMap alone = read_map(folder_ / "h_1001.png", settings_);
-  EXPECT_EQ(beside_gap.x, alone.x) << "one-sided towards the gap, and where the row does not close";
+  EXPECT_EQ(beside_gap.x, alone.x) << "differences are one-sided at the gap and where the row does not repeat";
   write_test_image(folder_ / "h_1002.png", cut_image(kSide, 0, kSide / 2, kSide / 2));
   const NormalMap beside_small = read_tile("1001");
   EXPECT_TRUE(has_warning(beside_small, {"tile 1002", "32 x 32 texels, expected 64 x 64"}));
@@ -158,7 +159,7 @@ TEST_F(TileSetTest, DequantizedTilesMeet) {
   EXPECT_LT(dequantized, 0.5 * border_error(read_tile("1001")));
 }
 
-// What is not a tile's own changes its hash: the next tile's border, not what is inside of it.
+// A tile's hash includes the next tile's border, but not that tile's inside.
 TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   write_set();
   const std::string record = read_tile("1001").report.tiles;
@@ -180,7 +181,7 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   EXPECT_TRUE(is_unchanged());
   std::filesystem::remove(folder_ / "h_1002.png");
   EXPECT_FALSE(is_unchanged());
-  // The other end of the row counts where the surface repeats.
+  // If the surface repeats, the tile at the other end of the row counts.
   write_set();
   write_tile("1003", 2, 0);
   for (const WrapMode mode : {WrapMode::kPeriodic, WrapMode::kClamp}) {
@@ -199,7 +200,8 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   }
 }
 
-// A flat tile cannot tell, and another may be painted the other way round: the first that can speaks for all.
+// A flat tile cannot decide green, and another may be painted the other way round: the first tile that can decides for
+// all.
 TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   settings_ = {};
   TestImage flat = normal_image(kSide, kSide);
@@ -222,7 +224,7 @@ TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   EXPECT_FALSE(tiles_are_unchanged(third.report.tiles, again, "1003", FixNan::kBox3));
 }
 
-// Tiles are read at the same time. Who comes while a tile is asked waits for its answer.
+// Tiles are read in parallel. A thread that needs the set's green waits until another thread has it.
 TEST_F(TileSetTest, ThreadsAgreeOnGreen) {
   write_tile("1001", 0, 0);
   TileSet set(folder_ / "h_<UDIM>.png");

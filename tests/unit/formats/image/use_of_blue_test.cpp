@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What blue of a normal map holds: z from -1 to 1, z from 0 to 1, or something else, which is refused with the option
-// that reads the map.
+// Tests the meaning of a normal map's blue: z from -1 to 1, z from 0 to 1, or something else. In the last case the map
+// is refused, and the message names the option that reads it.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -21,7 +21,7 @@ using OIIO::TypeDesc;
 
 constexpr int kSide = 128;
 
-/// Normals that tilt by up to `degrees`.
+/// Returns normals that tilt by up to `degrees`.
 std::vector<glm::dvec3> tilted_normals(double degrees) {
   std::vector<glm::dvec3> normals = surface_normals(kSide, kSide);
   double steepest = 0.0;
@@ -31,7 +31,7 @@ std::vector<glm::dvec3> tilted_normals(double degrees) {
   return normals;
 }
 
-/// x and y as 0..1, and what `blue` says of a normal and its place.
+/// Makes an image with x and y as 0..1 and the value of `blue` for each normal and place.
 TestImage image_of(const std::vector<glm::dvec3>& normals,
                    const std::function<double(const glm::dvec3&, std::size_t)>& blue) {
   TestImage image{.width = kSide, .height = kSide};
@@ -43,7 +43,7 @@ TestImage image_of(const std::vector<glm::dvec3>& normals,
 
 double positive_z(const glm::dvec3& n, std::size_t) { return n.z; }
 
-/// Waves of `low` to 1 that have nothing to do with the normals.
+/// Makes waves from `low` to 1 that are independent of the normals.
 std::function<double(const glm::dvec3&, std::size_t)> occlusion(double low, double period = 23.0) {
   return [=](const glm::dvec3&, std::size_t i) {
     const double x = static_cast<double>(i % kSide), y = static_cast<double>(i / kSide);
@@ -55,7 +55,7 @@ double degrees_off(const NormalMap& map, const std::vector<glm::dvec3>& normals)
   return 2.0 * std::asin(0.5 * largest_difference(map, normals)) * 180.0 / std::numbers::pi;
 }
 
-/// The message of Error(kInput); empty: it is read.
+/// Returns the message of Error(kInput), or "" if the map is read.
 std::string refusal(const std::string& path, const NormalMapSettings& settings = {}) {
   try {
     read_map(path, settings);
@@ -110,7 +110,7 @@ TEST_F(UseOfBlue, TheSettingGoesBeforeWhatIsFound) {
   const std::vector<glm::dvec3> normals = tilted_normals(36.0);
   write_test_image(folder_ / "a.png", image_of(normals, positive_z));
   EXPECT_GT(degrees_off(read_map(folder_ / "a.png", {.z_range = ZRange::kSigned}), normals), 5.0);
-  TestImage image = image_of(tilted_normals(5.0), positive_z);  // too flat to tell
+  TestImage image = image_of(tilted_normals(5.0), positive_z);  // too flat to decide
   image.type = TypeDesc::UINT8;
   write_test_image(folder_ / "flat.png", image);
   const NormalMap map = read_map(folder_ / "flat.png", {.z_range = ZRange::kPositive});
@@ -128,7 +128,7 @@ TEST_F(UseOfBlue, SomethingElseIsRefusedAndReadAsTwoChannels) {
       EXPECT_TRUE(contains(message, "a.png")) << message;
       EXPECT_TRUE(contains(message, "--two-channel")) << message;
       EXPECT_LT(degrees_off(read_map(folder_ / "a.png", {.two_channel = true}), normals), 0.7);
-      if (low < 0.8) continue;  // others have vectors below the horizon, or none that look like normals
+      if (low < 0.8) continue;  // lower ones have vectors below the horizon, or none that look like normals
       EXPECT_EQ(refusal(folder_ / "a.png", {.bump_format = BumpFormat::kNormal}), "");
       const NormalMapSettings strict = {.bump_format = BumpFormat::kNormal, .refuse_doubts = true};
       EXPECT_TRUE(contains(refusal(folder_ / "a.png", strict), "--two-channel"));
@@ -142,7 +142,7 @@ TEST_F(UseOfBlue, WhoSaysThatItIsZIsObeyed) {
   EXPECT_TRUE(contains(all_warnings(map), "blue does not follow")) << all_warnings(map);
 }
 
-// Averages of normals are short where they differ, and blue is z all the same; so it is in lossy files.
+// Averaged normals are short where they differ, and lossy files change lengths; blue is still z.
 TEST_F(UseOfBlue, ShortAndLossyNormalsAreNotRefused) {
   const std::vector<glm::dvec3> fine = tilted_normals(65.0);
   std::vector<glm::dvec3> averaged(fine.size());
@@ -159,7 +159,7 @@ TEST_F(UseOfBlue, ShortAndLossyNormalsAreNotRefused) {
   }
 }
 
-// Advice is in the words of the command that runs, or left out.
+// Advice uses the options of the running command, or is left out.
 TEST_F(UseOfBlue, AdviceIsOfTheCommand) {
   write_test_image(folder_ / "a.png", image_of(tilted_normals(20.0), occlusion(0.8)));
   add_key_words({"two_channel", "z_range"});
@@ -173,7 +173,7 @@ TEST_F(UseOfBlue, AdviceIsOfTheCommand) {
   EXPECT_FALSE(contains(bare, "--")) << bare;
 }
 
-// What a baked file states of its source does not depend on the command that baked it.
+// The warnings that a baked file stores about its source do not depend on the command.
 TEST_F(UseOfBlue, WithoutAdviceAWarningIsTheSameForAllCommands) {
   write_test_image(folder_ / "a.png", image_of(tilted_normals(20.0), occlusion(0.8)));
   const auto warnings = [&] {
@@ -188,7 +188,7 @@ TEST_F(UseOfBlue, WithoutAdviceAWarningIsTheSameForAllCommands) {
   EXPECT_TRUE(contains(without_advice(of_keys), "blue does not follow")) << of_keys;
 }
 
-// Painters and bakers leave floats outside of charts at 0, or at NaN.
+// Painters and bakers leave floats outside of charts at 0 or NaN.
 TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
   const std::vector<glm::dvec3> normals = tilted_normals(20.0);
   for (const float empty : {0.0f, kNan})
@@ -213,7 +213,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
     }
 }
 
-// A few are faults of a renderer, which are mended from their neighbours and counted.
+// A few empty texels are a renderer's faults, which are repaired from their neighbours and counted.
 TEST_F(UseOfBlue, SingleEmptyTexelsAreRepaired) {
   for (const float empty : {0.0f, kNan}) {
     TestImage image = normal_image(kSide, kSide, true);

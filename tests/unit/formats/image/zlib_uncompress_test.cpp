@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What OpenEXR calls is ours, and answers as zlib does.
+// Tests that OpenEXR calls our uncompress function, and that it answers like zlib.
 #include "host/formats/decoder/zlib_uncompress.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet distributions, environments and what lobes reflect of them, against closed forms.
+// Compares facet distributions, environments and the light that lobes reflect from them with closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ EnvironmentMap make_map(int height, const Radiance& radiance) {
   return map;
 }
 
-// a_l of (s + 1) / (2 pi) t^s: a_0 = 1, a_1 = (s + 1) / (s + 2), a_l = a_(l-2) (s - l + 2) / (s + l + 1).
+// The coefficients of (s + 1) / (2 pi) t^s: a_0 = 1, a_1 = (s + 1) / (s + 2), a_l = a_(l-2) (s - l + 2) / (s + l + 1).
 TEST(FacetDistribution, ZonalCoefficientsOfBlinnPhongAreThoseOfItsRecurrence) {
   for (const float s : {1.0f, 12.0f, 100.0f, 1e5f}) {
     Brdf brdf;
@@ -76,7 +76,7 @@ TEST(VmfTerms, ChannelsShareTheirKappas) {
   EXPECT_LT(terms[0].weight.z, 0.1);
 }
 
-// A sheen is 0 at the normal and brightest beside the horizon: broad terms of both signs are near it.
+// A sheen is 0 at the normal and brightest near the horizon: broad terms of both signs approximate it.
 TEST(VmfTerms, FitADensityThatHasNoPeak) {
   for (const double power : {0.5, 1.0, 1.4}) {
     const auto sheen = [&](double e) { return glm::dvec3(e < 1.0 ? std::pow(e * (2.0 - e), power) : 0.0); };
@@ -139,7 +139,7 @@ TEST(SmoothEnvironment, IsThePolynomialThatMadeTheMap) {
   EXPECT_NEAR(smooth.quadratic[2][1][1], 0.0, 1e-2);
 }
 
-// What a vMF does to 1 + cos: the mean cosine, 1 - the level's spread.
+// Filtering 1 + cos with a vMF scales the cosine by the vMF's mean cosine, 1 - the level's spread.
 TEST(PrefilteredLevels, HaveTheirMeanCosines) {
   const PrefilteredLevels result =
       prefilter(make_map(64, [](const glm::dvec3& d) { return glm::vec3(1.0 + d.y, 1.0, 0.0); }));
@@ -154,8 +154,8 @@ TEST(PrefilteredLevels, HaveTheirMeanCosines) {
   }
 }
 
-// Under light of 1 from everywhere L' = 4 (v.h)^2 on a hemisphere: its mean is 4 (2 pi / 3) Y_00.
-// What is mixed of two prepared environments is what is prepared of the mixed one, to the rounding of floats.
+// Under light of 1 from everywhere, L' = 4 (v.h)^2 on a hemisphere has the mean 4 (2 pi / 3) Y_00. Mixing two prepared
+// environments equals preparing the mixed one, except for rounding to float.
 TEST(EnvironmentLight, MixingIsLinear) {
   const auto sky = [](const glm::dvec3& d) { return glm::vec3(1.0 + d.y, 0.5, 0.2 * d.x * d.x); };
   const auto lamp = [](const glm::dvec3& d) { return glm::vec3(d.z > 0.9 ? 40.0f : 0.1f); };
@@ -221,7 +221,7 @@ TEST(ReflectionTable, OfAMirrorIsTheWeightOfItsDirection) {
   }
 }
 
-// White facets that neither absorb nor, where they are smooth, shadow: all light comes back.
+// White facets absorb nothing, and smooth facets cast no shadows: all light is reflected.
 TEST(ReflectionTable, SmoothGgxReflectsEverything) {
   Brdf brdf = brdf_of(BrdfKind::kGgx);
   brdf.roughness = 0.3f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models of strangers: every index that leads nowhere, URIs that name no file beside the model, links and special files
-// behind them, and buffers of which no more is read than they say.
+// Tests models from strangers: invalid indices, URIs that do not name a file in the model's folder, links and special
+// files, and buffers with more bytes than declared.
 #include "host/formats/mesh/gltf_document.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// One of each, and every index that there is; all lead to 0.
+// Makes a model with one object of each kind and every possible index; all indices are 0.
 Json whole_model() {
   return Json::parse(R"({
     "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
@@ -46,7 +46,7 @@ Json whole_model() {
   })");
 }
 
-// Where numbers stand that are indices.
+// Returns the places of all numbers that are indices.
 std::vector<std::string> index_places(const Json& model) {
   std::vector<std::string> places;
   const Json flat = model.flatten();
@@ -95,7 +95,7 @@ class ModelFolderTest : public ::testing::Test {
     write_bytes(model_, model.dump());
     return model_;
   }
-  // By all that read models.
+  // Every reader of models refuses the URI.
   void expect_refused(const std::string& uri, std::vector<std::string> parts) {
     write_model(uri);
     expect_error(ErrorCode::kInput, parts, [&] { uri_path(model_, uri); });
@@ -132,7 +132,7 @@ TEST_F(ModelFolderTest, LinksAndSpecialFilesAreRefused) {
 }
 
 TEST_F(ModelFolderTest, NoMoreIsReadThanABufferSays) {
-  // Of no size on disk, and too large for any memory.
+  // The file takes no disk space and is too large for any memory.
   std::filesystem::resize_file(folder_ / "model/own.bin", std::uintmax_t{1} << 43);
   EXPECT_EQ(read_gltf_asset(write_model("own.bin")).buffers[0], "own ");
   EXPECT_EQ(buffer_view_bytes(read_gltf_document(write_model("own.bin")), 0), "own ");
@@ -148,7 +148,7 @@ TEST_F(ModelFolderTest, NulInTextsIsRefused) {
   expect_error(ErrorCode::kInput, {model_, "NUL"}, [&] { read_gltf_asset(model_); });
 }
 
-// What an OBJ file names is read beneath its folder only: here, whether there is a material of that name.
+// Files named in an OBJ file are read only below its folder; here, the test is whether a material of that name exists.
 TEST_F(ModelFolderTest, ObjFilesReadNoMaterialsFromElsewhere) {
   const std::string shape = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\no thing\nusemtl m\nf 1/1 2/2 3/3\n";
   std::filesystem::create_symlink("/dev/zero", folder_ / "model/zero.mtl");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of a scene file: by name, in their own space, with the texture coordinate set that is asked for; and the
-// refusals, each naming file and object.
+// Tests objects of a scene file: by name, in their own space, with the requested texture coordinate set. Each refusal
+// names file and object.
 #include "host/formats/mesh/object_mesh.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(ObjectMesh, NodesOfGltfAreObjectsInTheirOwnSpace) {
   EXPECT_EQ(objects[0].name, "left");
   EXPECT_EQ(objects[1].name, "right");
   const std::vector<glm::vec3> corners = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
-  for (const ObjectMesh& object : objects) EXPECT_EQ(object.positions, corners);  // not moved, not joined
+  for (const ObjectMesh& object : objects) EXPECT_EQ(object.positions, corners);  // neither moved nor joined
   EXPECT_EQ(objects[0].indices, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(glm::dvec3(objects[0].object_to_world * glm::dvec4(0.0, 0.0, 0.0, 1.0)), glm::dvec3(-1.0, 0.0, 5.0));
   EXPECT_EQ(glm::dvec3(objects[1].object_to_world * glm::dvec4(1.0, 0.0, 0.0, 1.0)), glm::dvec3(2.0, 0.0, 5.0));
@@ -39,7 +39,7 @@ TEST(ObjectMesh, NodesOfGltfAreObjectsInTheirOwnSpace) {
 
 TEST(ObjectMesh, VGrowsUpwardsAndSetsAreTold) {
   const TemporaryFolder folder;
-  write_bytes(folder / "sets.gltf", gltf_text({}));  // set 0: (0,0) (1,0) (0,1) as glTF has them, v downwards
+  write_bytes(folder / "sets.gltf", gltf_text({}));  // set 0 is (0,0) (1,0) (0,1) in glTF, where v points down
   const std::vector<glm::vec2> set0 = {{0.0f, 1.0f}, {1.0f, 1.0f}, {0.0f, 0.0f}};
   const std::vector<glm::vec2> set1 = {{0.0f, 1.0f}, {3.0f, 1.0f}, {0.0f, -2.0f}};  // three times as large
   EXPECT_EQ(read_object_meshes(folder / "sets.gltf", 0)[0].uvs, set0);
@@ -51,7 +51,7 @@ TEST(ObjectMesh, VGrowsUpwardsAndSetsAreTold) {
 
 TEST(ObjectMesh, ObjectsOfObjAreNamedAndPartsJoined) {
   const TemporaryFolder folder;
-  // Normals differ at shared corners; positions closer than 1e-5 must stay apart.
+  // Normals differ at shared corners; positions closer than 1e-5 must stay separate.
   write_bytes(folder / "parts.obj",
               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0.000001\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
               "vn 0 0 1\nvn 0 1 0\n"
@@ -61,7 +61,7 @@ TEST(ObjectMesh, ObjectsOfObjAreNamedAndPartsJoined) {
   EXPECT_EQ(objects[0].name, "quad");
   EXPECT_EQ(objects[0].positions.size(), 4u);
   EXPECT_EQ(objects[0].indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
-  EXPECT_EQ(objects[0].uvs[2], glm::vec2(1.0f, 1.0f));  // v as OBJ has it: upwards
+  EXPECT_EQ(objects[0].uvs[2], glm::vec2(1.0f, 1.0f));  // v points up, as in OBJ
   EXPECT_EQ(objects[0].object_to_world, glm::dmat4(1.0));
   EXPECT_EQ(objects[1].name, "near");
   EXPECT_EQ(objects[1].positions.size(), 3u);
@@ -105,7 +105,7 @@ struct Hit {
   glm::dvec2 uv{0.0};
 };
 
-// The texture coordinates at a point in object space: of the triangle whose plane is nearest among those around it.
+// Returns the texture coordinates at a point in object space, from the triangle around it whose plane is nearest.
 Hit uv_at(const ObjectMesh& object, const glm::dvec3& point) {
   Hit hit;
   double nearest = 1e-3;
@@ -125,9 +125,9 @@ Hit uv_at(const ObjectMesh& object, const glm::dvec3& point) {
   return hit;
 }
 
-// The renderer's own texture coordinates and depths, at pixels that an object covers wholly. The pass is the mean over
-// the pixel: where the object covers itself, or the chart has its seam, that is the mean of different places. All but a
-// share of `elsewhere` must be nearer than `tolerance`.
+// Compares with the renderer's own texture coordinates and depths, at pixels that an object covers completely. The pass
+// is a mean over the pixel: at self-occlusions and at the chart's seam it mixes different places. All except a share of
+// `elsewhere` must be within `tolerance`.
 void expect_uv_pass(const std::string& geometry, const std::string& mesh, const std::string& name, double tolerance,
                     double elsewhere) {
   const std::string folder = shared_field();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders of compiled kernels that cannot be written are replaced by a private one. That it goes with the program:
-// tests/cli/limits_test.cpp.
+// Tests that a private folder replaces unwritable folders of compiled kernels. tests/cli/limits_test.cpp tests that the
+// program removes it.
 #include "host/formats/opencl/kernel_caches.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using testing::TemporaryFolder;
 
-/// Variables as they were before, when this goes.
+/// Restores the environment variables at its end.
 class KernelCachesTest : public ::testing::Test {
  protected:
   ~KernelCachesTest() override {
@@ -31,7 +31,7 @@ class KernelCachesTest : public ::testing::Test {
     set_kernel_caches(folders);
     ::testing::internal::CaptureStderr();
     prepare_kernel_caches();
-    prepare_kernel_caches();  // says nothing more
+    prepare_kernel_caches();  // prints nothing more
     return ::testing::internal::GetCapturedStderr();
   }
 
@@ -52,12 +52,12 @@ TEST_F(KernelCachesTest, FoldersThatCanBeWrittenAreTaken) {
   ::setenv("MULTUM_CACHE_DIR", "as it was", 1);
   EXPECT_EQ(prepared({folder / "new/multum", folder / "new/pocl"}), "");
   EXPECT_STREQ(std::getenv("MULTUM_CACHE_DIR"), "as it was");
-  EXPECT_EQ(folder.names(), testing::Names{"new"}) << "made, and nothing left in it";
+  EXPECT_EQ(folder.names(), testing::Names{"new"}) << "the folder was made and is empty";
   EXPECT_TRUE(std::filesystem::is_empty(folder / "new/multum"));
   EXPECT_EQ(pocl_cache_failure(), "");
 }
 
-// Below a file no folder can be made, not even by root.
+// Nobody can make a folder below a file, not even root.
 TEST_F(KernelCachesTest, APrivateFolderReplacesOneThatCannotBeWritten) {
   const TemporaryFolder folder;
   testing::write_bytes(folder / "file", "no folder");
@@ -68,10 +68,10 @@ TEST_F(KernelCachesTest, APrivateFolderReplacesOneThatCannotBeWritten) {
   EXPECT_EQ(programs.parent_path(), pocl.parent_path());
   struct stat status = {};
   ASSERT_EQ(::stat(programs.parent_path().c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 07777u, 0700u) << "nobody else's kernels may be run";
+  EXPECT_EQ(status.st_mode & 07777u, 0700u) << "nobody else may write kernels that run here";
   EXPECT_TRUE(std::filesystem::is_directory(pocl));
   EXPECT_EQ(pocl_cache_failure(), "");
-  EXPECT_EQ(prepared({programs.string(), pocl.string()}), "") << "as children have them";
+  EXPECT_EQ(prepared({programs.string(), pocl.string()}), "") << "children inherit the variables";
 }
 
 TEST_F(KernelCachesTest, NoFoldersAreNoConcern) { EXPECT_EQ(prepared({}), ""); }

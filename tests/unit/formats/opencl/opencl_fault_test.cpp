@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Devices are chosen. OpenCL calls that fail: what was made is released once, and no failure is passed over. The
-// functions below are called in place of the library's, and call it in turn, until one is told to fail.
+// Tests the choice of devices and failing OpenCL calls: every object is released once, and no failure is ignored. The
+// functions below replace the library's functions and call them until one is told to fail.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 constexpr int kOutOfResources = -5;
 
 int g_events_released = 0, g_queues = 0;
-int g_times_until_failure = -1;  // calls of clGetEventProfilingInfo that succeed; -1: all
+int g_times_until_failure = -1;  // successful calls of clGetEventProfilingInfo; -1: all
 bool g_unmap_fails = false;
 
 template <typename Function>
@@ -29,7 +29,7 @@ Function* library_function(const char* name) {
 
 }  // namespace
 
-// Their types are those of CL/cl.h: handles are pointers, numbers of cl_bitfield 64 bits.
+// The types are those of CL/cl.h: handles are pointers, and cl_bitfield has 64 bits.
 extern "C" {
 
 int clReleaseEvent(void* event) {
@@ -71,7 +71,7 @@ class OpenclFaultTest : public ::testing::Test {
  protected:
   OpenclFaultTest() { g_events_released = 0, g_queues = 0, g_times_until_failure = -1, g_unmap_fails = false; }
 
-  // So many launches of a kernel that copies a texel.
+  // Launches a kernel that copies a texel, `times` times.
   static void launch(Device& device, int times) {
     MultumBoxBand band{};
     band.map_width = band.map_height = band.row_count = band.row_length = band.plane_count = 1;
@@ -88,7 +88,7 @@ TEST_F(OpenclFaultTest, EventsAreReleasedOnceWhenATimeCannotBeHad) {
     device.time_launches(true);
     launch(device, 3);
     const int before = g_events_released;
-    g_times_until_failure = 2;  // those of the first launch
+    g_times_until_failure = 2;  // the calls of the first launch
     testing::expect_error(ErrorCode::kEnvironment, {"mip_texels", "CL_OUT_OF_RESOURCES"},
                           [&] { device.launch_seconds(); });
     EXPECT_EQ(g_events_released - before, 3);
@@ -99,7 +99,7 @@ TEST_F(OpenclFaultTest, EventsAreReleasedOnceWhenATimeCannotBeHad) {
     EXPECT_EQ(g_events_released - before, 4);
     g_events_released = 0;
   }
-  EXPECT_EQ(g_events_released, 0) << "the device has none left to release";
+  EXPECT_EQ(g_events_released, 0) << "no event is left for the device to release";
 }
 
 TEST_F(OpenclFaultTest, AQueueIsReleasedWhenTimesCannotBeHad) {
@@ -109,7 +109,7 @@ TEST_F(OpenclFaultTest, AQueueIsReleasedWhenTimesCannotBeHad) {
     launch(device, 1);
     g_times_until_failure = 0;
     EXPECT_THROW(device.time_launches(false), Error);
-    EXPECT_EQ(g_queues, 1) << "the new one is gone, the old one is still in use";
+    EXPECT_EQ(g_queues, 1) << "the new queue was released, and the old one is still in use";
     g_times_until_failure = -1;
     device.time_launches(false);
     launch(device, 1);
@@ -130,7 +130,7 @@ TEST_F(OpenclFaultTest, AnUnmapThatFailsIsAnError) {
   });
   testing::expect_error(ErrorCode::kEnvironment, said, [&] { device.move_down({{{&buffer, 8, 4}, 0}}); });
   EXPECT_THROW(device.read_ranges({{&buffer, 0, 4}}, [](const Device::Bytes&) { throw Cancelled(); }), Cancelled)
-      << "what the reader threw counts";
+      << "the reader's exception must be thrown";
 }
 
 std::vector<DeviceInfo> devices_called(const std::vector<std::string>& names) {
@@ -146,7 +146,7 @@ std::vector<DeviceInfo> devices_called(const std::vector<std::string>& names) {
   return devices;
 }
 
-// A number is a device's place in the list where there is one, else part of a name.
+// A number is a device's index if the list has it, else a part of a name.
 TEST(ChooseDeviceTest, NumbersAreOfTheListOrOfNames) {
   const std::vector<DeviceInfo> devices =
       devices_called({"cpu-haswell-i7-4770", "NVIDIA GeForce RTX 4090", "NVIDIA GeForce GTX 1080", "NVIDIA 1"});

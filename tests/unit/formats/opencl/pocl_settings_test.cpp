@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which versions of PoCL are asked to compile kernels in another way than their own.
+// Tests which versions of PoCL must compile kernels differently from their default.
 #include "host/formats/opencl/pocl_settings.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ TEST(PoclSettingsTest, OnlyLoopsBehindLlvm18MayAbort) {
   EXPECT_FALSE(pocl_loops_may_abort(kTrixie, true));
   EXPECT_FALSE(pocl_loops_may_abort(kBookworm, false));
   EXPECT_FALSE(pocl_loops_may_abort("OpenCL 3.0 CUDA 12.4.0", false));
-  EXPECT_FALSE(pocl_loops_may_abort("OpenCL 3.0 LINUX, LLVM 18.1.8", false));  // of another vendor
+  EXPECT_FALSE(pocl_loops_may_abort("OpenCL 3.0 LINUX, LLVM 18.1.8", false));  // another vendor's device
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kept program binaries save a build and are never a reason to fail.
+// Tests that cached program binaries save a build and never cause a failure.
 #include "host/formats/opencl/program_cache.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ class ProgramCacheTest : public ::testing::Test {
     set_log_level(LogLevel::kNormal);
   }
 
-  // Builds or loads the smallest program and runs it; returns what was said.
+  // Builds or loads the smallest program and runs it; returns the messages.
   static std::string use(const std::string& cache_folder) {
     set_program_cache_folder(cache_folder);
     set_log_level(LogLevel::kVerbose);
@@ -46,7 +46,7 @@ class ProgramCacheTest : public ::testing::Test {
     DeviceBuffer parent = device.make_buffer(64, "lobes"), nearest = device.make_buffer(1, "numbers of lobes");
     unsigned char lobe = 255;
     device.write(nearest, &lobe, 1);
-    // One texel without a parent: lobe 0 takes it.
+    // One texel without a parent: lobe 0 gets all normals.
     MultumMovmfFit fit{};
     fit.map_width = fit.map_height = fit.width = fit.height = fit.window_rows = 1;
     kernel.launch({1}, x, y, z, parent, nearest, fit, 0, 0, 0, 1);
@@ -90,7 +90,7 @@ TEST_F(ProgramCacheTest, AFolderThatCannotBeMadeCostsOnlyTheBuild) {
   write_bytes(folder / "file", "");
   EXPECT_NE(use(folder / "file/cache").find("program cache: "), std::string::npos);
   EXPECT_EQ(folder.names(), std::set<std::string>{"file"});
-  // Where the file itself should be there is a folder of that name.
+  // A folder has the name of the cache file.
   use(folder / "cache");
   const std::string path =
       folder / "cache/" + std::filesystem::directory_iterator(folder / "cache")->path().filename().string();
@@ -112,7 +112,7 @@ TEST_F(ProgramCacheTest, WhatIsPreparedIsBuiltOnceAndKept) {
     device.kernel("moments", "moment_finest", variant);
     EXPECT_EQ(device.unprepared_count(), 0);
     device.kernel("mip_box", "mip_texels", variant);
-    EXPECT_EQ(device.unprepared_count(), 1) << "nobody had prepared this one";
+    EXPECT_EQ(device.unprepared_count(), 1) << "this program was not prepared";
     const std::string said = ::testing::internal::GetCapturedStderr();
     EXPECT_NE(said.find("compiling kernels for " + device.info().name), std::string::npos) << said;
     EXPECT_EQ(said.find("compiling"), said.rfind("compiling")) << "once: " << said;
@@ -134,7 +134,7 @@ TEST_F(ProgramCacheTest, WhatIsPreparedAndNeverAskedForHoldsNobodyUp) {
   {
     Device device = Device::open("");
     device.prepare(many);
-  }  // waits for those that run, and for no other
+  }  // waits only for running builds
   EXPECT_LT(folder.names().size(), many.size());
 }
 
@@ -154,9 +154,9 @@ TEST_F(ProgramCacheTest, AProgramThatDoesNotBuildIsToldToWhoAsksForIt) {
   EXPECT_EQ(folder.names().size(), 0u);
 }
 
-// The first bake of a machine builds what it launches, side by side, and nothing else.
+// The first bake on a machine builds, in parallel, exactly the kernels that it launches.
 TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
-  constexpr int kWidth = 256, kHeight = 192;  // large enough for binned levels, and weighted ones
+  constexpr int kWidth = 256, kHeight = 192;  // large enough for binned and weighted levels
   NormalMap map;
   map.width = kWidth;
   map.height = kHeight;
@@ -173,13 +173,14 @@ TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
     SCOPED_TRACE(coloured);
     const TemporaryFolder folder;
     set_program_cache_folder(folder.path());
-    Device device = Device::open(DeviceChoice{"", coloured});  // one of them as an accelerator
+    Device device = Device::open(DeviceChoice{"", coloured});  // one device acts as an accelerator
     MovmfSettings settings;
     settings.lobe_count = 2;
     FitReport report;
     bake_movmf(device, map, coloured ? &colours : nullptr, settings, report, nullptr);
     EXPECT_EQ(device.unprepared_count(), 0);
-    EXPECT_EQ(static_cast<std::size_t>(device.program_count()), folder.names().size()) << "built and never asked for";
+    EXPECT_EQ(static_cast<std::size_t>(device.program_count()), folder.names().size())
+        << "a program was built but never used";
     EXPECT_GE(device.program_count(), 5);
   }
 }

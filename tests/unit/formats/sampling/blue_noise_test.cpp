@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blue noise has what Ulichney asks of it: all values alike often, and next to nothing of low frequencies.
+// Tests blue noise by Ulichney's criteria: all values are equally frequent, and low frequencies have almost no power.
 #include "host/formats/sampling/blue_noise.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::vector<double> channel(std::size_t c) {
   return values;
 }
 
-/// Mean power of frequencies of 1 to `limit` periods across the mask, over the mean of all: 1 for white noise.
+/// Returns the mean power of 1 to `limit` periods across the mask, relative to the mean of all: 1 for white noise.
 double low_power(const std::vector<double>& values, int limit) {
   double sum = 0.0, square = 0.0;
   int count = 0;
@@ -57,9 +57,9 @@ TEST(BlueNoise, AllValuesAreAlikeOften) {
 TEST(BlueNoise, LowFrequenciesAreMissing) {
   for (std::size_t c = 0; c < 4; ++c) {
     const double power = low_power(channel(c), kSide / 8);
-    std::printf("channel %zu: power below an eighth of a period a texel is %.4f of white noise's\n", c, power);
+    std::printf("channel %zu: power below 1/8 period per texel is %.4f times that of white noise\n", c, power);
     EXPECT_LT(power, 0.02);
-    EXPECT_GT(low_power(channel(c), kSide / 2), 0.5) << "what is missing there is elsewhere";
+    EXPECT_GT(low_power(channel(c), kSide / 2), 0.5) << "the power missing at low frequencies is at higher ones";
   }
 }
 

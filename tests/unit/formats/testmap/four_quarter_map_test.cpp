@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The test map is the one that its description says: reproducible, of unit length, with each quarter's statistics.
+// Tests that the test map matches its description: reproducible, of unit length, with each quarter's statistics.
 #include "host/formats/testmap/four_quarter_map.h"
 
 #include <array>
@@ -40,7 +40,7 @@ TEST(FourQuarterMap, SameSeedSameMap) {
   EXPECT_EQ(a.normals.x, b.normals.x);
   EXPECT_EQ(a.albedo.b, b.albedo.b);
   EXPECT_NE(a.normals.x, c.normals.x);
-  for (int i = 0; i < 32 * 64; ++i)  // the seed concerns one quarter
+  for (int i = 0; i < 32 * 64; ++i)  // the seed changes only one quarter
     EXPECT_EQ(a.normals.x[static_cast<std::size_t>(i)], c.normals.x[static_cast<std::size_t>(i)]);
 }
 
@@ -85,13 +85,13 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(grooves.slope_max, 1.0, 1e-3);
   EXPECT_NEAR(grooves.flat_share, 0.2, 0.01);
   EXPECT_NEAR(grooves.slope_x_rms, std::sqrt(0.8 * 0.75), 0.01);
-  // rms of 0.45 times a gain of 0.4 .. 1.6 is 0.45 sqrt(1 + 1.2^2 / 12); the strips are its ends.
+  // An rms of 0.45 times a gain of 0.4 .. 1.6 is 0.45 sqrt(1 + 1.2^2 / 12); the strips have the extreme gains.
   EXPECT_NEAR(statistics(map, half, half, half, half).slope_x_rms, 0.45 * std::sqrt(1.0 + 0.12), 0.02);
   EXPECT_NEAR(statistics(map, half, half, half / 8, half).slope_x_rms, 0.45 * 0.475, 0.02);
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
-// As a surface, the map has green down: on domes, normals lean to the right at the right, and y grows downwards.
+// The map has green down: at the right of a dome, normals lean to the right, and y grows downwards.
 TEST(FourQuarterMap, ArmourIsOfDomes) {
   const int side = 48, period = 24;
   const NormalMap map = make_four_quarter_map(side, 3, Quarter::kArmour).normals;
@@ -103,8 +103,8 @@ TEST(FourQuarterMap, ArmourIsOfDomes) {
   EXPECT_LT(map.y[at(middle, middle - aside)], -0.2f);
 }
 
-// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)): between rows, which share
-// their gain, the slopes along x keep it.
+// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)). Rows have one gain each, so
+// the slopes along x between rows keep it.
 TEST(FourQuarterMap, NoiseHasItsSigma) {
   const int size = 512;
   const NormalMap map = make_four_quarter_map(size, 5).normals;

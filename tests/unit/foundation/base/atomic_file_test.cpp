@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file appears whole or not at all, and nothing else stays in its folder.
+// Tests that a file appears complete or not at all, and that nothing else stays in its folder.
 #include "host/foundation/base/files/atomic_file.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
 
-// A process id that surely belongs to nobody: of a child that has been waited for.
+// Returns a process id that no process has: the id of a child that has been waited for.
 pid_t dead_pid() {
   const pid_t child = fork();
   if (child == 0) _exit(0);
@@ -75,7 +75,7 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   const std::string longer_name = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-b-a.txt";
   for (const std::string& name : {dead, living, other_name, longer_name, no_pid, std::string("a.txt")})
     write_bytes(folder / name, "x");
-  // Of this version, which has random digits in the counter's place; and names that are no files of ours.
+  // Names of this version, with random digits instead of a counter; and names of other programs' files.
   const std::string random = ".multum-tmp-" + std::to_string(dead_pid()) + "-0123456789abcdef-a.txt";
   const std::string link = ".multum-tmp-" + std::to_string(dead_pid()) + "-1-a.txt";
   const std::string below = ".multum-tmp-" + std::to_string(dead_pid()) + "-2-a.txt";
@@ -86,7 +86,7 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   EXPECT_EQ(folder.names(), (Names{living, other_name, longer_name, no_pid, link, below, "a.txt"}));
 }
 
-// On a folder that machines share, their processes' numbers say nothing here.
+// In a folder that machines share, process ids of other machines mean nothing here.
 TEST(AtomicFileTest, LeavesOtherMachinesFilesForADay) {
   const TemporaryFolder folder;
   const std::string young = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-01234567-a.txt";
@@ -99,7 +99,7 @@ TEST(AtomicFileTest, LeavesOtherMachinesFilesForADay) {
     const AtomicFile file(folder / "a.txt");
     Names names = folder.names();
     EXPECT_EQ(names.erase(young) + names.erase(old_other), 2u);
-    // Its own name has the place that it is of, after its process and random digits.
+    // The name holds the process id, random digits, and then the name of the target.
     ASSERT_EQ(names.size(), 1u);
     EXPECT_TRUE(std::regex_match(
         *names.begin(), std::regex("\\.multum-tmp-" + std::to_string(getpid()) + "-[0-9a-f]{16}-[0-9a-f]{8}-a\\.txt")))
@@ -119,7 +119,7 @@ TEST(AtomicFileTest, RefusesFoldersThatCannotTakeIt) {
 
 TEST(AtomicFileTest, RefusesAnUnwritableFolder) {
   if (geteuid() == 0) {
-    // Permissions do not bind the superuser; a child without its rights sees what a user sees.
+    // Permissions do not bind the superuser; a child without superuser rights sees what a user sees.
     EXPECT_EXIT(
         {
           const TemporaryFolder folder;
@@ -154,7 +154,7 @@ TEST(AtomicFileTest, ARelativeNameGoesToTheWorkingFolder) {
 TEST(AtomicFileTest, AWriteThatFailsIsAnErrorAndLeavesNothing) {
   const TemporaryFolder folder;
   {
-    const testing::FileLimit none(0);  // as on a full disk, writing fails
+    const testing::FileLimit none(0);  // writing fails, as on a full disk
     expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "writing failed", "File too large"},
                  [&] { write_text_file(folder / "a.txt", std::string(1 << 20, 'x')); });
   }
@@ -179,7 +179,7 @@ TEST(AtomicFileTest, ANameOfAnyLengthIsWrittenOrRefusedAtOnce) {
   expect_error(ErrorCode::kUsage, {"too long"}, [&] { AtomicFile file(folder / (std::string(300, 'f') + "/a.txt")); });
 }
 
-// A link takes the place of a link, never of the file that it leads to.
+// A new link replaces a link, never the file that it leads to.
 TEST(AtomicFileTest, LinksAtTheFinalNameAreReplaced) {
   const TemporaryFolder folder;
   for (const bool is_hard : {false, true}) {
@@ -193,7 +193,7 @@ TEST(AtomicFileTest, LinksAtTheFinalNameAreReplaced) {
   }
 }
 
-// Whatever somebody does with the temporary name while the file is written.
+// Somebody replaces the temporary file while it is being written.
 TEST(AtomicFileTest, ATemporaryFileThatWasReplacedIsNotPublished) {
   const TemporaryFolder folder;
   write_bytes(folder / "precious", "kept");

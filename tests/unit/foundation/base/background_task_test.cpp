@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tasks keep their order, run beside their caller, and fail once.
+// Tests that tasks keep their order, run in parallel with their caller, and report a failure once.
 #include "host/foundation/base/processes/background_task.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 TEST(BackgroundTaskTest, TasksRunOneAfterAnother) {
   for (const int threads : {1, 2}) {
-    std::vector<int> done;  // by one thread at a time, else the sanitizers say so
+    std::vector<int> done;  // written by one thread at a time, or the sanitizers complain
     BackgroundTask task;
     for (int i = 0; i < 100; ++i) task.run(threads, [&done, i] { done.push_back(i); });
     task.wait();
@@ -35,7 +35,7 @@ TEST(BackgroundTaskTest, RunsBesideItsCallerUnlessThereIsOneThread) {
 TEST(BackgroundTaskTest, WhatATaskThrowsIsThrownOnce) {
   BackgroundTask task;
   task.run(2, [] { throw std::runtime_error("full"); });
-  EXPECT_THROW(task.run(2, [] { FAIL() << "begun after a failure"; }), std::runtime_error);
+  EXPECT_THROW(task.run(2, [] { FAIL() << "the task started after a failure"; }), std::runtime_error);
   EXPECT_NO_THROW(task.wait());
 }
 

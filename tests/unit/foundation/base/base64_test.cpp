@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Base64 against the examples of RFC 4648, section 10, and every byte there and back.
+// Tests Base64 with the examples of RFC 4648, section 10, and with every byte in both directions.
 #include "host/foundation/base/base64.h"
 
 #include <gtest/gtest.h>

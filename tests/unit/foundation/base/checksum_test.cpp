@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checksum of scratch files: a known value, pieces against the whole, and that damage is seen.
+// Tests the checksum of scratch files: a known value, equality for pieces and the whole, and detection of damage.
 #include "host/foundation/base/files/checksum.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A child's end is told apart: exit code, signal, never started.
+// Tests that a child's end is reported correctly: exit code, signal, or never started.
 #include "host/foundation/base/processes/child_process.h"
 #include "host/foundation/base/processes/sanitizers.h"
 
@@ -39,7 +39,7 @@ TEST(ChildProcessTest, ASignalIsNotAnExitCode) {
   EXPECT_EQ(result.signal, SIGSEGV);
 }
 
-// This program ignores it, and looks at what its writes return; others may not.
+// This program ignores the signal and checks the results of its writes; other programs may not.
 TEST(ChildProcessTest, AChildHasTheSignalOfFileSizesAsAtAProgramsStart) {
   const auto before = std::signal(SIGXFSZ, SIG_IGN);
   const std::string line = run_child({"grep", "SigIgn", "/proc/self/status"}).output;
@@ -49,7 +49,7 @@ TEST(ChildProcessTest, AChildHasTheSignalOfFileSizesAsAtAProgramsStart) {
 }
 
 TEST(ChildProcessTest, UsageIsTheChildsOwn) {
-  // dd holds one block of 200 MiB, and fills it.
+  // dd allocates one block of 200 MiB and fills it.
   const ChildResult busy = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=200M", "count=1"});
   ASSERT_EQ(busy.exit_code, 0) << busy.output;
   EXPECT_GT(busy.usage.peak_memory_bytes, 200u << 20);
@@ -59,11 +59,11 @@ TEST(ChildProcessTest, UsageIsTheChildsOwn) {
   EXPECT_GE(idle.usage.wall_seconds, 0.2);
   EXPECT_LT(idle.usage.cpu_seconds(), 0.2);
   EXPECT_LT(idle.usage.peak_memory_bytes, (100u << 20) + own_peak_memory_bytes())
-      << "one child's peak counts for the next";
+      << "one child's peak memory counts for the next child";
 }
 
 TEST(ChildProcessTest, LimitsEndWhatTheChildHasStartedToo) {
-  // A grandchild that would hold the pipe open for a minute.
+  // The grandchild would keep the pipe open for a minute.
   const ChildResult slow = run_child({"sh", "-c", "sleep 60 & sleep 60"}, {std::chrono::milliseconds(300)});
   EXPECT_TRUE(slow.is_over_time);
   EXPECT_EQ(slow.signal, SIGKILL);
@@ -84,14 +84,14 @@ TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
 #endif
 }
 
-// A child whose parent was killed (-9) ends too, and so does what it was by exec.
+// A child whose parent was killed (-9) ends too, also after an exec.
 TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
   for (const bool is_limited : {false, true}) {
     int pipe_ends[2];
     ASSERT_EQ(::pipe(pipe_ends), 0);
     const pid_t starter = ::fork();
     if (starter == 0) {
-      ::dup2(pipe_ends[1], STDERR_FILENO);  // the child says its number where nobody collects it
+      ::dup2(pipe_ends[1], STDERR_FILENO);  // the child prints its id where the parent does not collect it
       const std::vector<std::string> command = {
           "sh", "-c", "echo $$ > /proc/" + std::to_string(::getpid()) + "/fd/2; exec sleep 60"};
       if (is_limited) run_child(command, ChildLimits{std::chrono::minutes(2)});
@@ -106,7 +106,7 @@ TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
     ::waitpid(starter, nullptr, 0);
     ::close(pipe_ends[0]);
     ::close(pipe_ends[1]);
-    // Gone, or a zombie of whoever adopted it.
+    // The process is gone, or a zombie of the process that adopted it.
     const auto is_there = [&] {
       std::ifstream in("/proc/" + std::to_string(child) + "/stat");
       std::string pid, name, state;
@@ -121,7 +121,7 @@ TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
 TEST(ChildProcessTest, AChildHasNoFilesOfItsParent) {
   std::vector<int> opened;
   for (int i = 0; i < 20; ++i) opened.push_back(::open("/dev/null", O_RDONLY));
-  EXPECT_EQ(run_child({"sh", "-c", "ls /proc/self/fd | wc -l"}).output, "4\n");  // three, and the folder
+  EXPECT_EQ(run_child({"sh", "-c", "ls /proc/self/fd | wc -l"}).output, "4\n");  // three, plus the folder that ls reads
   for (const int one : opened) ::close(one);
 }
 

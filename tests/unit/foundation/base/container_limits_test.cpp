@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of containers, by trees of files as kernels and container engines make them, and by a group of this machine.
+// Tests limits of containers, with file trees as kernels and container engines make them, and with a group on this
+// machine.
 #include "host/foundation/base/processes/container_limits.h"
 
 #include <gtest/gtest.h>
@@ -61,19 +62,19 @@ TEST_F(ContainerLimitsTest, Version2HasTheLeastOfAllGroupsAbove) {
   expect(400 * kMiB, 1.5);
   write("sys/fs/cgroup/a/memory.high", std::to_string(300 * kMiB) + "\n");
   expect(300 * kMiB, 1.5);
-  write("sys/fs/cgroup/a/b/c/d/memory.max", std::to_string(kMiB));  // of a group below, and of one beside
+  write("sys/fs/cgroup/a/b/c/d/memory.max", std::to_string(kMiB));  // a nested group, and a sibling
   write("sys/fs/cgroup/a/other/memory.max", std::to_string(kMiB));
   expect(300 * kMiB, 1.5);
 }
 
-// With a namespace of groups the container is "/", and sees its limits at the top.
+// In a namespace of groups the container's own group is "/", and its limits are at the top.
 TEST_F(ContainerLimitsTest, Version2OfANamespace) {
   write("proc/self/cgroup", "0::/\n");
   write("proc/self/mountinfo", "30 24 0:26 / /sys/fs/cgroup ro,nosuid - cgroup2 cgroup rw\n");
   write("sys/fs/cgroup/memory.max", "419430400\n");
   write("sys/fs/cgroup/cpu.max", "50000 100000\n");
   expect(400 * kMiB, 0.5);
-  write("proc/self/cgroup", "0::/../../elsewhere\n");  // a process that was moved out of its namespace
+  write("proc/self/cgroup", "0::/../../elsewhere\n");  // the process was moved out of its namespace
   expect(400 * kMiB, 0.5);
 }
 
@@ -108,7 +109,7 @@ TEST_F(ContainerLimitsTest, Version1NestedWithoutANamespace) {
   expect(128 * kMiB, 3.0);
 }
 
-// Controllers are in either hierarchy.
+// Controllers may be in either hierarchy.
 TEST_F(ContainerLimitsTest, BothVersionsAtOnce) {
   write("proc/self/cgroup", "4:memory:/job\n0::/job\n");
   write("proc/self/mountinfo",
@@ -140,7 +141,7 @@ TEST_F(ContainerLimitsTest, GarbageIsNoLimit) {
   expect(kNone, kAll);
 }
 
-// A group of version 1 below this process's own, with a child of this process in it.
+// Makes a version 1 group below this process's own group, with a child of this process in it.
 TEST(ContainerLimitsOfThisMachineTest, ARealGroupIsHonoured) {
   std::string own;
   std::ifstream in("/proc/self/cgroup");
@@ -149,7 +150,7 @@ TEST(ContainerLimitsOfThisMachineTest, ARealGroupIsHonoured) {
   const fs::path group = fs::path("/sys/fs/cgroup/memory" + own) / ("multum_test_" + std::to_string(::getpid()));
   std::error_code error;
   if (own.empty() || !fs::create_directory(group, error))
-    GTEST_SKIP() << "no group of version 1 can be made here: " << error.message();
+    GTEST_SKIP() << "cannot create a version 1 group here: " << error.message();
   std::ofstream(group / "memory.limit_in_bytes") << 400 * kMiB;
   const pid_t child = ::fork();
   if (child == 0) {
@@ -175,7 +176,7 @@ TEST(ProcessorCountTest, IsWhatThisProcessMayUse) {
   while (!CPU_ISSET(first, &before)) ++first;
   CPU_ZERO(&one);
   CPU_SET(first, &one);
-  ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);  // as a cpuset does
+  ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);  // acts like a cpuset
   EXPECT_EQ(processor_count({}), 1);
   ASSERT_EQ(::sched_setaffinity(0, sizeof(before), &before), 0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256 against the vectors of FIPS 180-4 (NIST's examples), however the text is cut.
+// Tests SHA-256 with the vectors of FIPS 180-4 (NIST's examples), with texts divided in any way.
 #include "host/foundation/base/files/content_hash.h"
 
 #include <gtest/gtest.h>

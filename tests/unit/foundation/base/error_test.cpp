@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exceptions become exit codes and one line on stderr; a broken promise of ours stops the program.
+// Tests that exceptions become exit codes and one line on stderr, and that a failed check stops the program.
 #include "host/foundation/base/error.h"
 
 #include <fcntl.h>
@@ -56,7 +56,7 @@ TEST(ErrorTest, RunGuardedMapsExceptionsToCodesAndMessages) {
   EXPECT_EQ(surprise.message, "tool: unexpected error: odd\n");
 }
 
-// A write beyond the limit of file sizes fails, as one onto a full disk does, and the message names the limit.
+// A write beyond the limit of file sizes fails like a write to a full disk, and the message names the limit.
 TEST(ErrorTest, ALimitOfFileSizesIsAnErrorAndNoSignal) {
   const testing::TemporaryFolder folder;
   static std::string path;
@@ -82,7 +82,7 @@ TEST(ErrorTest, ALimitOfFileSizesIsAnErrorAndNoSignal) {
             "tool: " + path + ": cannot be written: File too large; files may have 4096 bytes (ulimit -f)\n");
 }
 
-// What a loop over files does not stop at, and what it does.
+// Tests which errors a loop over files survives and which stop it.
 TEST(ErrorTest, WhatTheSystemRefusesIsAnErrorOfItsFile) {
   const auto caught = [](auto thrown) {
     try {

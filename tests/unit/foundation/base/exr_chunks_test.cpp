@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chunks of OpenEXR files of every layout, as the library writes them.
+// Tests chunks of OpenEXR files of every layout, written by the library.
 #include "host/foundation/base/files/exr_chunks.h"
 
 #include <ImfChannelList.h>
@@ -30,7 +30,7 @@ class ExrChunksTest : public ::testing::Test {
  protected:
   static float value_at(int x, int y) { return static_cast<float>(x / 4) * 0.25f + static_cast<float>(y / 3); }
 
-  // Rows of Y, and of RY for every other texel a side, of a window that does not begin at 0.
+  // Writes rows of Y, and of RY for every other texel in both directions, in a window that does not begin at 0.
   std::string rows_file(Imf::Compression compression, Imf::LineOrder order) const {
     const Imath::Box2i window({-4, 6}, {63, 45});
     Imf::Header header(window, window);
@@ -123,7 +123,7 @@ TEST_F(ExrChunksTest, TilesOfEveryKindOfLevel) {
       }
 }
 
-// A user's own map, damaged: the library would take what is missing from memory that nobody wrote.
+// A user's damaged map: the library would fill the missing values from uninitialised memory.
 TEST_F(ExrChunksTest, ChunksThatUnpackToTooLittle) {
   for (const Imf::Compression compression : {Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION}) {
     const ExrChunks good(rows_file(compression, Imf::INCREASING_Y));

@@ -8,7 +8,7 @@
 
 namespace multum::testing {
 
-// As `ulimit -f` sets it, for as long as it lives; programs ignore its signal.
+// Sets the limit of `ulimit -f` during its lifetime; programs ignore the signal.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file is hashed once, and never under the hash of other bytes.
+// Tests that a file is hashed once, and never under the hash of other bytes.
 #include "host/foundation/base/files/input_hashes.h"
 
 #include <gtest/gtest.h>
@@ -31,11 +31,11 @@ TEST_F(InputHashesTest, AFileIsReadOnce) {
   hashes_.check_unchanged(path);
 }
 
-// What was noted is what counts: its bytes may have been decoded already.
+// The noted state counts: the file's bytes may have been decoded already.
 TEST_F(InputHashesTest, AFileThatChangesBeforeItsHashIsRefused) {
   const std::string path = file("abc");
   hashes_.note(path);
-  file("abd");  // of the same size, within the same tick as far as a test can hit it
+  file("abd");  // same size, and within the same clock tick if possible
   expect_changed([&] { hashes_.check_unchanged(path); });
   expect_changed([&] { hashes_.hash(path); });
 }
@@ -50,7 +50,7 @@ TEST_F(InputHashesTest, AFileThatChangesAfterItsHashIsRefusedToReaders) {
   expect_changed([&] { hashes_.check_unchanged(path); });
 }
 
-// A time that was set back by hand is no proof that nothing was written.
+// A time that was set back by hand does not prove that nothing was written.
 TEST_F(InputHashesTest, TheTimeOfAWriteCannotBeHidden) {
   const std::string path = file("abc");
   const auto before = std::filesystem::last_write_time(path);
@@ -65,7 +65,7 @@ TEST_F(InputHashesTest, WhatCannotBeReadIsToldByItsHash) {
   hashes_.note(path);
   hashes_.check_unchanged(path);
   testing::expect_error(ErrorCode::kInput, {path, "cannot be opened", "No such file"}, [&] { hashes_.hash(path); });
-  EXPECT_EQ(hashes_.hash(file("abc")), hash_text("abc")) << "known from when it is there";
+  EXPECT_EQ(hashes_.hash(file("abc")), hash_text("abc")) << "a new file is hashed once it exists";
   testing::expect_error(ErrorCode::kInput, {folder_.path(), "is a folder"}, [&] { hashes_.hash(folder_.path()); });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of records: a torn end is cut before anything is appended, a disk that refuses leaves whole records, and files
-// of a former format are refused by name.
+// Tests files of records: a torn end is cut before a record is appended, a full disk leaves complete records, and files
+// of an earlier format are refused by name.
 #include "host/foundation/base/files/record_file.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST_F(RecordFileTest, WhatFollowsATornEndIsReadAgain) {
   const auto one = record(100, 1), two = record(50, 2), three = record(30, 3);
   stopped_after({one, two});
   const std::string whole = read_bytes(rows_);
-  // However much of the last record is there.
+  // Tries every length of the torn last record.
   for (std::size_t size = kBegin.size() + 8 + 100 + 16 + 4; size < whole.size(); size += 7) {
     write_bytes(rows_, whole.substr(0, size));
     {
@@ -79,7 +79,7 @@ TEST_F(RecordFileTest, AnotherKeyRemovesAll) {
   EXPECT_EQ(read_bytes(rows_), "multum records 1\nanother key\n");
 }
 
-// A file without a line's end is not read in search of one.
+// The reader stops at the key's length instead of searching a file without line breaks for one.
 TEST_F(RecordFileTest, AKeyOfAnyLengthIsReadUpToTheKeysOwn) {
   stopped_after({});
   fs::resize_file(rows_, std::uint64_t{1} << 40);  // sparse: a terabyte of zeros
@@ -102,7 +102,7 @@ TEST_F(RecordFileTest, ADiskThatRefusesLeavesWholeRecords) {
   journal->leave();
 }
 
-// Whoever has them decides: what an earlier version left is not lost by resuming with a later one.
+// The user decides about such files: resuming with a later version must not lose an earlier version's records.
 TEST_F(RecordFileTest, AFileOfAFormerFormatIsRefusedAndStays) {
   for (const std::string& former : {std::string("0123456789abcdef\n2 0 8 0123456789abcdef\n"),
                                     std::string("key\n\4\0\0\0"), std::string("multum records 2\nkey\n")}) {
@@ -116,7 +116,7 @@ TEST_F(RecordFileTest, AFileOfAFormerFormatIsRefusedAndStays) {
   }
   stopped_after({});
   write_bytes(rows_, "0123456789abcdef\n");
-  EXPECT_NE(open(false), nullptr) << "nobody wants to go on with it";
+  EXPECT_NE(open(false), nullptr) << "the file is not to be resumed";
 }
 
 TEST_F(RecordFileTest, ABeginningThatIsTornIsNone) {

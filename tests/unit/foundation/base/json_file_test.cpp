@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON of strangers: NUL in its texts, and numbers that are none of the integers that are expected. JSON for others:
-// texts that are not UTF-8.
+// Tests JSON from strangers: NUL in texts, and numbers outside the expected integers. Also tests JSON for others: texts
+// that are not UTF-8.
 #include "host/foundation/base/files/json_file.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(JsonFileTest, TextsThatAreNotUtf8AreReversible) {
   EXPECT_EQ(path_of_text(read["input"].get<std::string>()), name);
   EXPECT_EQ(path_of_text(read[text_of_path(name)][1].get<std::string>()), name);
   EXPECT_EQ(read["good"], "caf\u00e9");
-  EXPECT_EQ(json_text(read, 2), json_text(made, 2)) << "what is escaped is escaped once";
+  EXPECT_EQ(json_text(read, 2), json_text(made, 2)) << "escaped text is not escaped again";
   const nlohmann::ordered_json ordered = {{"z", name}, {"a", 1}};
   EXPECT_EQ(json_text(ordered), "{\"z\":\"n\uefff\uefe9.png\",\"a\":1}");
   EXPECT_EQ(json_text(ordered, -1, true), R"({"z":"n\uefff\uefe9.png","a":1})");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files to write are told from files to read, and from each other, by whatever name.
+// Tests that files to write differ from files to read, and from each other, under any name.
 #include "host/foundation/base/files/output_paths.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ TEST(OutputPathsTest, OneFileUnderTwoNamesIsRefused) {
   std::filesystem::create_directory_symlink(folder.path(), folder / "same");
   for (const std::string& name : {in, folder / "./in.png", folder / "link.png", folder / "same/in.png"})
     expect_error(ErrorCode::kUsage, {name, "is named twice"}, [&] { check_paths_differ({"", in}, {name}); });
-  // Neither exists yet.
+  // Neither file exists yet.
   expect_error(ErrorCode::kUsage, {"is named twice"}, [&] {
     check_paths_differ({in}, {folder / "out.png", "", folder / "same/out.png"});
   });
@@ -50,7 +50,7 @@ TEST(OutputPathsTest, WritableLeavesNothing) {
   expect_error(ErrorCode::kUsage, {"is a folder"}, [&] { check_writable(folder.path()); });
 }
 
-// What a command that was refused leaves: none of the folders that it made, and all others.
+// A refused command removes the empty folders that it made, and no others.
 TEST(OutputPathsTest, NewFoldersThatStayEmptyGoAway) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "old");
@@ -70,7 +70,7 @@ TEST(OutputPathsTest, NewFoldersThatStayEmptyGoAway) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "old"));
   EXPECT_FALSE(std::filesystem::exists(folder / "full/inside/empty"));
   EXPECT_TRUE(std::filesystem::exists(folder / "full/inside/file"));
-  make_folder(folder / "kept");  // by nobody who looks after it
+  make_folder(folder / "kept");  // made without a guard that removes it
   EXPECT_TRUE(std::filesystem::exists(folder / "kept"));
 }
 
@@ -84,7 +84,7 @@ TEST(OutputPathsTest, NamesWithControlCharactersAreRefused) {
     expect_error(ErrorCode::kUsage, parts, [&] { make_folder(folder / name + "/below"); });
   }
   EXPECT_TRUE(folder.names().empty());
-  // A folder that is there is somebody's own; bytes that are not UTF-8 are no control characters.
+  // An existing folder belongs to the user; bytes that are not UTF-8 do not count as control characters.
   std::filesystem::create_directory(folder / "a\nb");
   EXPECT_NO_THROW(check_writable(folder / "a\nb/c.exr"));
   EXPECT_NO_THROW(make_folder(folder / "a\nb/c"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every name of a file comes back from JSON byte by byte, and no two names are one text.
+// Tests that every file name survives JSON byte by byte, and that no two names share a text.
 #include "host/foundation/base/path_text.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace multum::testing {
 namespace {
 
 std::string through_json(const std::string& path) {
-  const std::string json = nlohmann::json(text_of_path(path)).dump();  // throws for what is no UTF-8
+  const std::string json = nlohmann::json(text_of_path(path)).dump();  // throws if the text is not UTF-8
   return path_of_text(nlohmann::json::parse(json).get<std::string>());
 }
 
@@ -28,7 +28,7 @@ TEST(PathTextTest, NamesOfUtf8AreTheirOwnText) {
 TEST(PathTextTest, OtherNamesAreReversible) {
   EXPECT_EQ(text_of_path("caf\xe9.png"), "caf\uefe9.png");
   EXPECT_EQ(path_of_text("caf\uefe9.png"), "caf\xe9.png");
-  // Over-long, a surrogate, beyond U+10FFFF, cut, and bytes that begin nothing.
+  // Overlong, a surrogate, beyond U+10FFFF, truncated, and bytes that begin no character.
   for (const char* name :
        {"caf\xe9.png", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "a\xe2\x82", "\x80\xff\xc3\xa9"}) {
     EXPECT_FALSE(is_own_text(name)) << name;
@@ -55,7 +55,7 @@ TEST(PathTextTest, RandomBytesComeBackAndCollideWithNothing) {
     std::string path;
     const std::uint64_t length = random.next() % 6;
     for (std::uint64_t j = 0; j < length; ++j) {
-      // Bytes that make characters, and those of the escape, more often than chance would have it.
+      // Bytes of multi-byte characters and of the escape, which random bytes would rarely form.
       constexpr unsigned char kOften[] = {0xee, 0xbe, 0xbf, 0x80, 0xa9, 0xc3, 'a'};
       const std::uint64_t one = random.next();
       const auto byte = one % 2 == 0 ? kOften[one / 2 % sizeof(kOften)] : static_cast<unsigned char>(1 + one / 2 % 255);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress counts what it was told, and stops at the next report after it was asked to.
+// Tests that progress counts the reported units, and stops at the next report after a request to stop.
 #include "host/foundation/base/progress.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(ProgressTest, ABarThatIsNoTerminalPrintsNothing) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-// In a process of its own: the request to stop is kept for good.
+// Runs in a separate process, because a request to stop cannot be withdrawn.
 TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
   for (const int signal : {SIGINT, SIGTERM}) {
     EXPECT_EXIT(
@@ -88,12 +88,12 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           std::_Exit(42);
         },
         ::testing::ExitedWithCode(42), "")
-        << "one sender's two signals";
+        << "two signals from one sender";
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);
           progress->start(2);
-          std::signal(signal, SIG_DFL);  // as LLVM leaves it
+          std::signal(signal, SIG_DFL);  // LLVM does the same
           progress->advance(1);
           std::raise(signal);
           try {
@@ -104,7 +104,7 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           std::_Exit(1);
         },
         ::testing::ExitedWithCode(42), "")
-        << "handlers of others are taken away";
+        << "other handlers are removed";
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);
@@ -114,7 +114,7 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           std::_Exit(42);
         },
         ::testing::ExitedWithCode(42), "")
-        << "the same, of a machine that is overloaded";
+        << "the same result on an overloaded machine";
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is not a regular file is refused at once by everything that opens names, without waiting for a writer and
-// without reading a device. Where a reader waits instead, the test does not end.
+// Tests that every function that opens a name refuses anything but a regular file at once, without waiting for a writer
+// and without reading a device. If a reader waits instead, the test does not end.
 #include "host/foundation/base/files/regular_file.h"
 
 #include <fcntl.h>
@@ -87,7 +87,7 @@ TEST_F(RegularFileTest, FilesAreReadAsTheyAre) {
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "456789");
 }
 
-// Its standard input is the pipe's end while this is there.
+// Makes standard input the end of a pipe during its lifetime.
 class PipedInput {
  public:
   explicit PipedInput(const std::string& text) : before_(::dup(STDIN_FILENO)) {

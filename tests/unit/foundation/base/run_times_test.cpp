@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times are those of the quickest round, and every run has had its turn before any has its next.
+// Tests that times are those of the fastest round, and that every run has a turn before any has a second one.
 #include "host/foundation/base/run_times.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ double processor_now() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Takes that much processor time, however busy the machine is.
+// Uses that much processor time, however busy the machine is.
 void work(double seconds) {
   const double end = processor_now() + seconds;
   while (processor_now() < end) {
@@ -36,7 +36,7 @@ TEST(RunTimesTest, TakesTheLeastOfAllRounds) {
   const std::vector<RunTime> times = time_in_turns({[&] { work(round++ == 1 ? 0.005 : 0.2); }}, 3, nullptr);
   ASSERT_EQ(times.size(), 1u);
   EXPECT_GE(times[0].processor_seconds, 0.005);
-  EXPECT_LT(times[0].processor_seconds, 0.2) << "a round that took longer counts";
+  EXPECT_LT(times[0].processor_seconds, 0.2) << "a slower round was counted";
 }
 
 TEST(RunTimesTest, ProcessorTimeIsOfAllThreadsAndNotOfSleep) {
@@ -52,9 +52,10 @@ TEST(RunTimesTest, ProcessorTimeIsOfAllThreadsAndNotOfSleep) {
   EXPECT_GE(times[1].processor_seconds, 0.04);
 }
 
-// What a device worked is of the run alone, and the least of the rounds; it counts as work beside the processors'.
+// A device's time counts only during the run, as the smallest of all rounds. Device time counts as work in addition to
+// processor time.
 TEST(RunTimesTest, TheDevicesClockCountsAsWork) {
-  double device = 100.0;  // what it worked before
+  double device = 100.0;  // device time before the run
   int round = 0;
   const auto run = [&] { device += round++ == 1 ? 2.0 : 7.0; };
   const std::vector<RunTime> times = time_in_turns({run, [] {}}, 3, nullptr, [&] { return device; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a terminal would obey is shown, and nothing else is changed.
+// Tests that control sequences for terminals are made visible, and that nothing else changes.
 #include "host/foundation/base/shown_text.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ bool is_control(unsigned code) {
 
 TEST(ShownTextTest, EveryControlCharacterIsShownAndNoOtherCharacter) {
   for (unsigned code = 0; code < 0x11'0000; ++code) {
-    if (code >= 0xd800 && code < 0xe000) continue;  // surrogates are no characters
+    if (code >= 0xd800 && code < 0xe000) continue;  // surrogates are not characters
     const std::string text = "a" + utf8(code) + "b";
     if (is_control(code)) {
       EXPECT_TRUE(std::regex_match(shown_text(text), std::regex(R"(a(\\x[0-9a-f][0-9a-f]){1,2}b)"))) << code;
@@ -45,7 +45,7 @@ TEST(ShownTextTest, EveryControlCharacterIsShownAndNoOtherCharacter) {
 TEST(ShownTextTest, BytesThatAreNoUtf8AreShown) {
   EXPECT_EQ(shown_text("q\x9b"
                        "31m"),
-            "q\\x9b31m");                                  // C1 of one byte
+            "q\\x9b31m");                                  // a one-byte C1 character
   EXPECT_EQ(shown_text("\xc3"), "\\xc3");                  // cut
   EXPECT_EQ(shown_text("\xc3\x9b\x9b"), "\xc3\x9b\\x9b");  // a letter, then C1
   EXPECT_EQ(shown_text("\xe2\x82"
@@ -70,7 +70,7 @@ TEST(ShownTextTest, AnyBytesBecomeTextWithoutControls) {
       text += random.next() % 2 == 0 ? kPieces[random.next() % std::size(kPieces)]
                                      : std::string(1, static_cast<char>(random.next()));
     const std::string shown = shown_text(text);
-    // As another library decodes it: nlohmann's throws at what is no UTF-8.
+    // Decodes with nlohmann's library, which throws if the text is not UTF-8.
     ASSERT_NO_THROW(nlohmann::json(shown).dump()) << i;
     for (std::size_t at = 0; at < shown.size(); ++at) {
       const auto byte = static_cast<unsigned char>(shown[at]);
@@ -109,7 +109,7 @@ TEST(ShownTextTest, CharactersAreNotCut) {
       EXPECT_EQ(whole_characters(text.substr(0, text.size() - cut)), 2u);
   }
   EXPECT_EQ(whole_characters(""), 0u);
-  EXPECT_EQ(whole_characters("a\x9b\x9b\x9b\x9b"), 5u) << "of no character: it is not waited for";
+  EXPECT_EQ(whole_characters("a\x9b\x9b\x9b\x9b"), 5u) << "bytes of no character are not waited for";
 }
 
 TEST(ShownTextTest, Utf8AndControlCharactersAreKnown) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// stdout and stderr in one file: no line of either is split, whichever thread writes which part when; warnings name
-// what they are about.
+// Tests stdout and stderr in one file: no line of either is split, whichever threads write. Warnings name their
+// subject.
 #include "host/foundation/base/messages/stream_turn.h"
 
 #include <fcntl.h>
@@ -22,7 +22,7 @@ namespace {
 using testing::read_bytes;
 using testing::TemporaryFolder;
 
-// Both streams go to one file, as by 2>&1; returns what came into it.
+// Sends both streams to one file, as 2>&1 does; returns the file's text.
 template <typename Writing>
 std::string written_by(const Writing& writing) {
   const TemporaryFolder folder;
@@ -51,7 +51,7 @@ TEST(StreamTurnTest, AHalfLineWaitsForItsEnd) {
             "first\nwarning: a.png: is doubtful\nmultum: b.png: cannot be read\nsecond, as a whole\n");
 }
 
-// Far more than a buffer of the C library holds.
+// The text is much longer than a buffer of the C library.
 TEST(StreamTurnTest, NoLineIsSplitByAnother) {
   const std::string result = std::string(300, 'r') + " end of the result", message = std::string(200, 'm') + " end";
   constexpr int kCount = 400;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder that goes away with the test, and the check that a refusal says what it must.
+// Makes a folder that the test removes at its end; checks that a refusal contains the expected parts.
 #pragma once
 
 #include <cstdlib>
@@ -35,7 +35,7 @@ class TemporaryFolder {
 
   const std::string& path() const { return path_; }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
-  /// Names of all that lies in it, hidden files too.
+  /// Returns the names of everything in the folder, including hidden files.
   Names names() const {
     Names found;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) found.insert(entry.path().filename().string());
@@ -58,12 +58,12 @@ inline void write_bytes(const std::string& path, const std::string& bytes) {
   EXPECT_TRUE(out.flush()) << path;
 }
 
-/// Does `text` hold `part`? A number at an end of `part` must be the whole number: "2" is neither in "12" nor in "2.5"
-/// nor in a folder's random name.
+/// Returns whether `text` contains `part`. A number at an end of `part` must be a whole number: "2" is neither in "12"
+/// nor in "2.5" nor in a folder's random name.
 inline bool says(const std::string& text, const std::string& part) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   const auto is_word = [&](char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  const auto at = [&](std::size_t i) { return i < text.size() ? text[i] : ' '; };  // before the first too
+  const auto at = [&](std::size_t i) { return i < text.size() ? text[i] : ' '; };  // also before the first
   for (std::size_t i = text.find(part); i != std::string::npos; i = text.find(part, i + 1)) {
     const std::size_t end = i + part.size();
     if (part.empty()) return true;
@@ -74,17 +74,17 @@ inline bool says(const std::string& text, const std::string& part) {
   return false;
 }
 
-/// Checks that a message says all of `parts`: the file, the option or key, what was found, what was expected. Not whole
-/// sentences, which are written anew now and then.
+/// Checks that a message contains all of `parts`: the file, the option or key, the value found, the value expected.
+/// Parts are not whole sentences, because sentences are rewritten now and then.
 inline void expect_says(const std::string& text, const std::vector<std::string>& parts) {
   for (const std::string& part : parts) EXPECT_TRUE(says(text, part)) << "no \"" << part << "\" in: " << text;
 }
 
-/// Runs `body`, which must throw Error with `code` and a message that says all of `parts`.
+/// Runs `body`, which must throw Error with `code` and a message that contains all of `parts`.
 inline void expect_error(ErrorCode code, const std::vector<std::string>& parts, const std::function<void()>& body) {
   try {
     body();
-    ADD_FAILURE() << "no error, expected one with \"" << (parts.empty() ? "" : parts[0]) << '"';
+    ADD_FAILURE() << "no error was thrown, expected one with \"" << (parts.empty() ? "" : parts[0]) << '"';
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), code) << error.what();
     expect_says(error.what(), parts);

@@ -9,7 +9,7 @@ namespace multum::testing {
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// How often `part` is in `text`, also where it overlaps itself.
+/// Counts `part` in `text`, overlaps included.
 inline std::size_t part_count(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Working folders next to outputs, where others may write: what they put there is refused, named, and left alone.
+// Tests work folders next to outputs, where others may write: files that others put there are refused, named, and not
+// touched.
 #include "host/foundation/base/files/work_folder.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ class WorkFolderTest : public ::testing::Test {
     fs::create_directory(precious_);
     write_bytes(precious_ + "/thesis.txt", "weeks of work");
   }
-  /// Every way to take or drop the folder refuses what is there, or ignores it; nothing changes.
+  /// Every way to take or remove the folder refuses or ignores the existing file; nothing changes.
   void expect_left_alone(const std::string& word) const {
     const auto status = fs::symlink_status(partial_);
     expect_error(ErrorCode::kEnvironment, {partial_, word, "left unchanged"}, [&] { WorkFolder::take(partial_); });
@@ -51,9 +52,9 @@ TEST_F(WorkFolderTest, IsForThisUserAloneAndGoesAtTheEnd) {
     fs::create_directories(work->path() + "/deep/deeper");
     write_bytes(work->path() + "/deep/deeper/rows", "x");
     EXPECT_TRUE(fs::exists(partial_ + "/deep/deeper/rows")) << "its path leads elsewhere";
-    EXPECT_EQ(WorkFolder::take(partial_), nullptr) << "two have it at once";
+    EXPECT_EQ(WorkFolder::take(partial_), nullptr) << "two owners have the folder at once";
     WorkFolder::drop(partial_);
-    EXPECT_TRUE(fs::exists(partial_)) << "was dropped under its owner";
+    EXPECT_TRUE(fs::exists(partial_)) << "the folder was removed while its owner used it";
   }
   EXPECT_FALSE(fs::exists(partial_));
 }
@@ -95,7 +96,8 @@ TEST_F(WorkFolderTest, AFileAndAPipeAreNoFolders) {
   expect_left_alone("is neither a file nor a folder");
 }
 
-// Who may rename in a shared folder can put a folder of ours there, which has all the rights.
+// Anybody who can rename in a shared folder can move another folder of ours there, with the right owner and
+// permissions.
 TEST_F(WorkFolderTest, AnotherFolderOfThisUserIsNotEmptied) {
   fs::permissions(precious_, fs::perms::owner_all);
   fs::rename(precious_, partial_);
@@ -121,7 +123,7 @@ TEST_F(WorkFolderTest, OneOfAnotherUserIsRefused) {
   expect_left_alone("belongs to user 65534, but multum runs as user 0");
 }
 
-// As under a small ulimit -n.
+// A small ulimit -n has this effect.
 TEST_F(WorkFolderTest, IsRemovedByAProcessThatMayOpenNoMoreFiles) {
   auto work = WorkFolder::take(partial_);
   for (const char* name : {"rows", "fits"}) write_bytes(work->path() + "/" + name, "x");
@@ -138,7 +140,7 @@ TEST_F(WorkFolderTest, IsNotLeftByAProcessThatCannotOpenIt) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
   const auto lowest = static_cast<rlim_t>(OpenFile(::dup(STDERR_FILENO)).descriptor());
-  for (rlim_t more = 0; more < 3; ++more) {  // descriptors for the folder above, the folder, its mark
+  for (rlim_t more = 0; more < 3; ++more) {  // descriptors for the parent folder, the folder, its mark
     const rlimit few{lowest + more, before.rlim_max};
     ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
     try {
@@ -159,7 +161,7 @@ TEST_F(WorkFolderTest, ErrorsHaveItsName) {
             fs::canonical(partial_).string() + "/rows: writing failed; see " + fs::canonical(partial_).string());
 }
 
-// Links within are removed, and what they lead to stays.
+// Links in the folder are removed, and their targets stay.
 TEST_F(WorkFolderTest, ClearingFollowsNoLink) {
   const auto work = WorkFolder::take(partial_);
   fs::create_directory_symlink(precious_, work->path() + "/link");
@@ -171,7 +173,8 @@ TEST_F(WorkFolderTest, ClearingFollowsNoLink) {
   EXPECT_FALSE(fs::exists(partial_ + "/sub"));
 }
 
-// The name changes hands while work goes on: that goes on in the folder that was opened, and nothing else is touched.
+// Another folder gets the name during the work: the work continues in the opened folder, and no other folder is
+// touched.
 TEST_F(WorkFolderTest, ItsNameIsTrustedOnce) {
   {
     const auto work = WorkFolder::take(partial_);
@@ -189,14 +192,14 @@ TEST_F(WorkFolderTest, OneOfNoGivenNameRemovesWhatKilledRunsLeft) {
   if (child == 0) {
     const auto work = WorkFolder::make(folder_.path());
     write_bytes(work->path() + "/frames", "x");
-    _exit(0);  // as a kill: nothing is cleaned up
+    _exit(0);  // like a kill: nothing is cleaned up
   }
   waitpid(child, nullptr, 0);
   EXPECT_EQ(folder_.names().size(), 2u);
   {
     const auto one = WorkFolder::make(folder_.path()), two = WorkFolder::make(folder_.path());
     EXPECT_NE(one->shown_path(), two->shown_path());
-    EXPECT_EQ(folder_.names().size(), 3u) << "what the child left, or one that is in use";
+    EXPECT_EQ(folder_.names().size(), 3u) << "the child's folder was left, or a folder in use was removed";
   }
   EXPECT_EQ(folder_.names(), Names{"precious"});
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages out of templates and data: text of strangers stays data, and becomes text.
+// Tests pages made from templates and data: text from strangers stays data and is shown as text.
 #include "host/foundation/html/html_page.h"
 
 #include <gtest/gtest.h>
@@ -28,11 +28,11 @@ std::string hostile_page() {
 
 TEST(HtmlPage, TextOfStrangersStaysData) {
   const std::string page = hostile_page();
-  EXPECT_EQ(part_count(page, "</script"), 2u) << "the data's and the script's";
+  EXPECT_EQ(part_count(page, "</script"), 2u) << "one in the data and one in the script";
   EXPECT_EQ(part_count(page, "<script"), 2u);
   EXPECT_FALSE(contains(page, "<img"));
   EXPECT_FALSE(contains(page, "\xe2\x80\xa8")) << "U+2028 ends lines of scripts";
-  EXPECT_EQ(part_count(page, "{{style}}"), 2u) << "in the data alone, twice";
+  EXPECT_EQ(part_count(page, "{{style}}"), 2u) << "only in the data, twice";
   EXPECT_EQ(testing::page_data(page)["name"], kHostile);
   EXPECT_TRUE(contains(page, std::string(kTemplate.style)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks into pages of host/foundation/html: at the data that a page holds, and at what a browser makes of them.
+// Reads pages of host/foundation/html: the data that a page holds, and the elements that a browser makes of it.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,11 +8,11 @@
 
 namespace multum::testing {
 
-/// The block of JSON in the page.
+/// Returns the block of JSON in the page.
 nlohmann::json page_data(const std::string& page);
 
-/// The elements that headless Chromium has when the page's script has run, as HTML, without scripts and styles; nullopt
-/// where there is no Chromium.
+/// Returns headless Chromium's elements after the page's script has run, as HTML without scripts and styles; nullopt if
+/// there is no Chromium.
 std::optional<std::string> rendered_page(const std::string& page);
 
 }  // namespace multum::testing

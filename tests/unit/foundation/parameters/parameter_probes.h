@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values at, below and above the bounds of every parameter, and the names that parameters had.
+// Lists values at, below and above the bounds of every parameter, and former names of parameters.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace multum::testing {
 
 std::vector<const ParameterTable*> all_tables();
 
-/// A value as each surface writes it, and whether it is to be taken.
+/// A value as each surface writes it, and whether it must be accepted.
 struct Probe {
   std::string command_line;
   nlohmann::json json;
@@ -22,12 +22,12 @@ struct Probe {
   bool is_legal;
 };
 
-/// Each row that is on `surface`, with values at, just below and just above each bound; each choice and none of them;
-/// what is of another type.
+/// Visits each row on `surface` with values at, just below and just above each bound, with each choice and an unknown
+/// choice, and with values of another type.
 void for_each_probe(const ParameterTable& table, unsigned surface,
                     const std::function<void(const Parameter&, const Probe&)>& call);
 
-/// A value that is legal, and not the default. Empty: texts and files.
+/// Returns a legal value other than the default; nullopt for texts and files.
 std::optional<ParameterValue> another_value(const Parameter& row);
 
 }  // namespace multum::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of parameters, and every surface against them: values at, below and above each bound.
+// Compares the tables of parameters with every surface: values at, below and above each bound.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(ParameterTable, RowsAreWhole) {
     std::set<std::string> names;
     for (const Parameter& row : table->rows()) {
       SCOPED_TRACE(table->command() + " " + row.name);
-      EXPECT_TRUE(names.insert(row.name).second) << "is there twice";
+      EXPECT_TRUE(names.insert(row.name).second) << "the name appears twice";
       EXPECT_FALSE(row.help.empty());
       EXPECT_EQ(row.kind == ParameterKind::kChoice, !row.choices.empty());
       EXPECT_TRUE(!row.is_numeric() || row.low < row.high);
@@ -147,7 +147,7 @@ TEST_F(ParameterFileTest, ScenesTakeWhatIsLegalAndNothingElse) {
   });
 }
 
-// What a job is without any parameter is what the table says that it is.
+// A job without any parameter has the defaults of the table.
 TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   BakeJob all;
   ParameterValues defaults(bake_parameters());
@@ -155,7 +155,7 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
     const bool is_value = row.kind == ParameterKind::kInteger || row.kind == ParameterKind::kNumber ||
                           (row.kind == ParameterKind::kChoice && row.default_text != "detected");
     if (!is_value || row.default_text.empty() || row.surfaces == 0) continue;
-    if (row.name == "iterations" || row.name == "wrap") continue;  // set two, or say that somebody said it
+    if (row.name == "iterations" || row.name == "wrap") continue;  // set two fields, or note that the user set them
     defaults.set(row.name, *parse_value(row, row.default_text));
   }
   apply(defaults, all);
@@ -164,7 +164,7 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   EXPECT_EQ(bake_parameters().at("iterations").default_text, "12");
 }
 
-// Files keep their settings hash: the texts, all but kernels, are those of the programs before the rows had them.
+// Settings hashes of files must not change: the texts, except kernels, are those of earlier programs.
 TEST(ParameterTable, HashedTextsKeepTheirBytes) {
   const auto text = [](std::initializer_list<std::pair<const char*, ParameterValue>> values) {
     BakeJob job;

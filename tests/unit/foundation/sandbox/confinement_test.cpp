@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a confined process can open: in a child, since there is no way back.
+// Tests which files a confined process can open; it runs in a child, since a process cannot leave its confinement.
 #include "host/foundation/sandbox/confinement.h"
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@ bool opens(const std::string& path, int flags) {
   return file >= 0;
 }
 
-// The exit code of a child that is confined: the number of what it found wrong.
+// Runs `work` in a confined child; returns its exit code, the number of the fault that it found.
 template <typename Work>
 int in_child(const Work& work) {
   const pid_t child = ::fork();
@@ -68,16 +68,16 @@ TEST(ConfinementTest, NothingElseIsOpenedByAnyName) {
     if (std::rename((write + "/newer").c_str(), (outside + "/stolen").c_str()) == 0) return 12;
     if (::link((write + "/file").c_str(), (outside + "/linked").c_str()) == 0) return 13;
     if (opens("/etc/passwd", O_RDONLY)) return 14;
-    // What it starts is no freer.
+    // A process that it starts has the same limits.
     return in_child([&] { return opens(outside + "/file", O_RDONLY) ? 15 : 0; });
   });
   EXPECT_EQ(wrong, 0);
 }
 
-// By kernels that can: what cannot be refused is not tested.
+// Tests only limits that this machine's kernel supports.
 TEST(ConfinementTest, NobodyElseIsReached) {
   const long version = ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  if (version < 6) GTEST_SKIP() << "this kernel's Landlock knows nothing of TCP or signals";
+  if (version < 6) GTEST_SKIP() << "this kernel's Landlock cannot restrict TCP or signals";
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

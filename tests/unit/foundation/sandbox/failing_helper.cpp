@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A child that fails as it is told to: by its requests, and, where multum-decode stands as a rule, by the name of the
-// file that it is to open.
+// A child process that fails in the way that its requests name. In place of multum-decode it fails in the way that the
+// name of the file to open says.
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -31,8 +31,8 @@ std::string fail_as_told(std::string_view told) {
   }
   if (is("segfault")) std::raise(SIGSEGV);
   if (is("exit")) std::_Exit(7);
-  if (is("unloaded")) std::_Exit(127);  // as ld.so
-  if (is("kill")) std::raise(SIGKILL);  // as the system does when memory runs out
+  if (is("unloaded")) std::_Exit(127);  // like ld.so
+  if (is("kill")) std::raise(SIGKILL);  // like the system if memory runs out
   if (is("hungry")) return answer_or_refusal([]() -> std::string { throw NotEnoughMemory("a.png"); });
   if (is("words"))
     return answer_or_refusal(
@@ -50,12 +50,12 @@ std::string fail_as_told(std::string_view told) {
     std::thread([] { fail_as_told("work"); }).join();
     return "done";
   }
-  if (is("work")) {  // a tenth of a second of a processor
+  if (is("work")) {  // uses a tenth of a second of processor time
     for (timespec used = {}; used.tv_sec == 0 && used.tv_nsec < 100000000;)
       ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
     return "done";
   }
-  if (is("eat"))  // to its limit, whether that is a failing allocation or its end
+  if (is("eat"))  // up to its limit: allocation fails, or the process is killed
     for (std::vector<char*> pieces;;) {
       constexpr std::size_t kPiece = std::size_t{8} << 20;
       pieces.push_back(static_cast<char*>(std::malloc(kPiece)));

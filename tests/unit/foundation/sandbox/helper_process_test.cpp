@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every way in which a child can fail is told apart, and nothing of it stays: no process, no file descriptor.
+// Tests that every way in which a child can fail is recognised, and that no process or file descriptor stays.
 #include "host/foundation/sandbox/helper_process.h"
 #include "host/foundation/base/processes/sanitizers.h"
 
@@ -31,7 +31,7 @@ int open_files() {
   return count;
 }
 
-/// Limits of this process, which children inherit, as they were when this goes.
+/// Restores this process's limits, which children inherit, at its end.
 class KeptLimit {
  public:
   explicit KeptLimit(__rlimit_resource which) : which_(which) { ::getrlimit(which, &before_); }
@@ -59,7 +59,7 @@ bool lacked_memory(const std::string& request, const HelperLimits& limits = kLim
   return false;
 }
 
-/// Code of the error that an answer of a decoder becomes.
+/// Returns the error code that a decoder's answer becomes.
 ErrorCode code_of_answer(HelperProcess& helper, const std::string& request) {
   const std::string answer = helper.ask(request, kLimits, {});
   try {
@@ -69,7 +69,7 @@ ErrorCode code_of_answer(HelperProcess& helper, const std::string& request) {
   }
 }
 
-/// What a child's end is called, after one request.
+/// Returns the description of a child's end after one request.
 std::string end_of(const std::string& request, const HelperLimits& limits = kLimits) {
   HelperProcess helper(kFailingHelper);
   const pid_t pid = helper.pid();
@@ -90,7 +90,7 @@ TEST(HelperProcessTest, EndsAreToldApart) {
   expect_says(end_of("exit"), {"exit code 7"});
   expect_says(end_of("announce"), {"announced", "18446744073709551615 bytes"});
   expect_says(end_of("chatter"), {"more than"});
-#ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
+#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer has its own messages for signals
   expect_says(end_of("abort"), {"signal 6", "Aborted", "a library's last words"});
   expect_says(end_of("segfault"), {"signal 11", "Segmentation fault"});
 #endif
@@ -102,14 +102,14 @@ TEST(HelperProcessTest, TheSystemsKillAndAProgramThatIsNotLoadedAreWantOfMemory)
   HelperLimits limits = kLimits;
   limits.time_max = std::chrono::milliseconds(100);
   EXPECT_FALSE(lacked_memory("exit"));
-  EXPECT_FALSE(lacked_memory("hang", limits)) << "killed by its asker";
+  EXPECT_FALSE(lacked_memory("hang", limits)) << "killed by the requesting process";
   EXPECT_FALSE(lacked_memory("chatter"));
 #ifndef MULTUM_SHADOW_MEMORY
   EXPECT_FALSE(lacked_memory("segfault"));
   const KeptLimit space(RLIMIT_AS);
   limits.memory_max = std::uint64_t{1} << 40;
   space.set(limits.memory_max);
-  EXPECT_TRUE(lacked_memory("segfault", limits)) << "libraries do not all look at what malloc() returns";
+  EXPECT_TRUE(lacked_memory("segfault", limits)) << "some libraries ignore that malloc() failed";
 #endif
 }
 
@@ -130,7 +130,7 @@ TEST(HelperProcessTest, WantOfMemoryIsTheFilesOnlyWhereAllThatIsAllowedIsThere) 
 }
 #endif
 
-// This process had no processor, or was stopped, for longer than the child may take.
+// This process was stopped, or had no processor, for longer than the child's time limit.
 TEST(HelperProcessTest, AGapBetweenTwoLooksIsNotTheChilds) {
   HelperProcess helper(kFailingHelper);
   HelperLimits limits = kLimits;
@@ -152,8 +152,8 @@ TEST(HelperProcessTest, TimeIsLimited) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
-// Children of the lowest class, of which one works by a second thread, and twice as many threads as there are
-// processors.
+// Children run in the lowest scheduling class, one of them with a second thread, against twice as many threads as there
+// are processors.
 TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
   HelperProcess helper(kFailingHelper), threaded(kFailingHelper);
   const sched_param lowest = {};
@@ -179,7 +179,7 @@ TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
   EXPECT_EQ(helper.ask("work", limits, {}), "done");
   waiting.join();
   EXPECT_EQ(answer, "done");
-  EXPECT_GT(std::chrono::steady_clock::now() - start, limits.time_max) << "nobody was in its way";
+  EXPECT_GT(std::chrono::steady_clock::now() - start, limits.time_max) << "no other process slowed the child";
 }
 
 TEST(HelperProcessTest, MemoryIsLimited) {
@@ -195,7 +195,7 @@ TEST(HelperProcessTest, AChildHasItsOwnFilesAndLimits) {
   EXPECT_EQ(end_of("files"), "answered 0 1 2 3 4 ");
   const std::string limits = end_of("limits");
   EXPECT_TRUE(limits.starts_with("answered 0 ")) << limits;  // no core files
-  EXPECT_LT(std::stol(limits.substr(11)), 20000) << limits;  // seconds of a processor
+  EXPECT_LT(std::stol(limits.substr(11)), 20000) << limits;  // seconds of processor time
 }
 
 TEST(HelperProcessTest, MemoryIsShared) {
@@ -215,7 +215,7 @@ TEST(HelperProcessTest, WhoWaitsMayStopWaiting) {
     if (++called == 2) throw Cancelled();
   };
   EXPECT_THROW(helper.ask("hang", kLimits, stop), Cancelled);
-  EXPECT_FALSE(helper.is_alive()) << "its answer would be taken for the next one's";
+  EXPECT_FALSE(helper.is_alive()) << "its answer would be taken as the next request's answer";
 }
 
 TEST(HelperProcessTest, NothingStays) {
@@ -229,7 +229,7 @@ TEST(HelperProcessTest, NothingStays) {
   EXPECT_EQ(errno, ECHILD);
 }
 
-// Even one that hangs, and even when its process is killed and cannot tidy up.
+// The child ends even if it hangs, and even if its parent is killed without cleaning up.
 TEST(HelperProcessTest, AChildEndsWithWhoAsked) {
   int pipe_ends[2];
   ASSERT_EQ(::pipe(pipe_ends), 0);
@@ -248,7 +248,7 @@ TEST(HelperProcessTest, AChildEndsWithWhoAsked) {
   ::kill(asker, SIGKILL);
   ::waitpid(asker, nullptr, 0);
   const std::string status = "/proc/" + std::to_string(helper) + "/stat";
-  // Gone, or a zombie of whoever adopted it.
+  // The process is gone, or a zombie of the process that adopted it.
   const auto is_there = [&] {
     std::ifstream in(status);
     std::string pid, name, state;

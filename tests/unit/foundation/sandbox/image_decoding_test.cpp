@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Image files decoded in a child: the same numbers and the same refusals as in this process, and whatever ends the
-// child is a refusal that names the file.
+// Tests image files decoded in a child: numbers and refusals equal those of this process. Whatever ends the child
+// becomes a refusal that names the file.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -68,7 +68,7 @@ std::string refusal_of(const std::string& path) {
   }
 }
 
-/// The child of this process that decodes: the only one it has.
+/// Returns the id of the decoding child, the only child of this process.
 pid_t decoder_pid() {
   std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
   pid_t pid = 0;
@@ -108,7 +108,7 @@ TEST_F(ImageDecodingTest, FilesReadAsInThisProcess) {
 TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
   const std::string whole = read_bytes(write("a.png", normal_image(64, 64)));
   write_bytes(folder_ / "cut.png", whole.substr(0, whole.size() / 2));
-  write_bytes(folder_ / "text.png", "this is no picture");
+  write_bytes(folder_ / "text.png", "this text is not a picture");
   TestImage many = normal_image(8, 8);
   many.channels = 6;
   many.channel_names = {"a", "b", "c", "d", "e", "f"};
@@ -124,7 +124,7 @@ TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
   }
 }
 
-// Cut, flipped, with absurd numbers: each ends in a picture or a refusal, and the next file is read.
+// Truncated files, flipped bits, absurd numbers: each ends in a picture or a refusal, and the next file is read.
 TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   std::mt19937 random(20260101);
   const TestImage image = normal_image(40, 30);
@@ -148,7 +148,7 @@ TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   EXPECT_GT(refused, 10);
 }
 
-// The system kills where memory runs out: the same file is worth another try, elsewhere.
+// The system kills processes if memory runs out: the same file may succeed on another machine.
 TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
@@ -162,7 +162,7 @@ TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
         nullptr);
   });
   EXPECT_TRUE(is_killed);
-  EXPECT_EQ(refusal_of(path), "") << "the next one is decoded by a new child";
+  EXPECT_EQ(refusal_of(path), "") << "a new child decodes the next file";
 }
 
 TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
@@ -191,7 +191,7 @@ TEST_F(ImageDecodingTest, NoDecoderIsAnErrorOfTheMachine) {
                [&] { read_picture(write("a.png", normal_image(8, 8))); });
 }
 
-// Answers that no decoder of ours gives.
+// Answers that none of our decoders gives.
 TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
   ImagePart part;
   part.width = part.height = part.full_width = part.full_height = 8;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes read in a child: the same numbers and the same refusals as in this process, and whatever ends the child, or
-// comes of it, is a refusal that names the file.
+// Tests meshes read in a child: numbers and refusals equal those of this process. Whatever ends the child, and any
+// wrong answer, becomes a refusal that names the file.
 #include <filesystem>
 #include <limits>
 
@@ -45,7 +45,7 @@ class MeshDecodingTest : public ::testing::Test {
     write_bytes(folder_ / name, text);
     return folder_ / name;
   }
-  /// size * size squares, bent.
+  /// Writes size * size bent squares.
   std::string write_grid(const std::string& name, int size) const {
     std::string text;
     for (int y = 0; y <= size; ++y)
@@ -121,16 +121,16 @@ TEST_F(MeshDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
   }
 }
 
-#ifndef MULTUM_SHADOW_MEMORY  // under which memory has no limit
+#ifndef MULTUM_SHADOW_MEMORY  // sanitizers have no memory limit
 TEST_F(MeshDecodingTest, MemoryIsLimited) {
   const std::string refusal = refusal_of(write("bomb.gltf", gltf_bomb()));
   EXPECT_NE(refusal.find(" 1073"), std::string::npos) << refusal;
   expect_says(refusal, {"bomb.gltf", "decoding", "bytes of memory"});
-  EXPECT_EQ(refusal_of(write_grid("grid.obj", 2)), "") << "the next one is read";
+  EXPECT_EQ(refusal_of(write_grid("grid.obj", 2)), "") << "the next file is read";
 }
 #endif
 
-// Answers that no decoder of ours gives.
+// Answers that none of our decoders gives.
 TEST(MeshMessagesTest, AnswersAreChecked) {
   const AskedFile asked = {"a.obj", "assimp", 1000};
   const auto opened = [&](std::uint64_t position_count) {
@@ -165,7 +165,7 @@ TEST(MeshMessagesTest, AnswersAreChecked) {
   refused(triangle);
 }
 
-// Damaged meshes are read or refused, in time.
+// Damaged meshes are read or refused within the time limit.
 TEST_F(MeshDecodingTest, DamagedFilesOfTheSharedData) {
   const std::string data = shared_data();
   if (data.empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder of damaged files";

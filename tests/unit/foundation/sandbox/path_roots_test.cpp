@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names below roots, and what is opened by them after they have changed.
+// Tests names below roots, and opening files by these names after the folders have changed.
 #include "host/foundation/sandbox/path_roots.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST_F(PathRootsTest, WhatHasBecomeALinkIsNotOpened) {
     fs::create_symlink(path == file_ ? outside_ + "/map.png" : outside_, path);
     refused(ErrorCode::kUsage, [&] { roots.open_input(file_); });
     if (path != file_) refused(ErrorCode::kUsage, [&] { roots.open_folder_of(file_); });
-    // Nor one that leads to where it should be: what a name meant was settled when it was checked.
+    // A link to the right place is refused too: the meaning of a name was fixed when it was checked.
     fs::remove(path);
     fs::create_symlink(path + ".real", path);
     refused(ErrorCode::kUsage, [&] { roots.open_input(file_); });
@@ -81,7 +81,7 @@ TEST_F(PathRootsTest, WhatIsNoFileIsNotWaitedFor) {
   refused(ErrorCode::kUsage, [&] { roots.open_input(root_ + "/../outside/map.png"); });
 }
 
-// Whether something is there outside of the roots is told by no message: by a path, by a link, by a folder that is one.
+// No message reveals whether something exists outside the roots: through a path, a link, or a folder that is a link.
 TEST_F(PathRootsTest, NothingIsToldOfWhatIsOutside) {
   const PathRoots roots({root_});
   const auto message = [&](const std::string& path, bool is_output) {
@@ -114,12 +114,12 @@ TEST_F(PathRootsTest, NothingIsToldOfWhatIsOutside) {
     }
     for (const char* made : {"link", "relative", "twice", "door"}) fs::remove(root_ + "/" + made);
   }
-  // What is inside is told of.
+  // Messages name files inside the roots.
   fs::create_symlink(root_ + "/sub/nothing.png", root_ + "/link");
   EXPECT_NE(message(root_ + "/link", false).find("no such file"), std::string::npos);
 }
 
-// Unmounted, as a rule, with an empty folder in its place.
+// Usually the root was unmounted, and an empty folder is in its place.
 TEST_F(PathRootsTest, ARootThatIsAnotherFolderIsNotUsed) {
   const PathRoots roots({root_});
   fs::rename(root_, root_ + ".old");
@@ -130,7 +130,7 @@ TEST_F(PathRootsTest, ARootThatIsAnotherFolderIsNotUsed) {
   refused(ErrorCode::kEnvironment, [&] { roots.open_folder_of(file_); });
 }
 
-// A disk of its own within another root: where it was unmounted, the folder under it is none of its files.
+// A disk is mounted within another root: once it is unmounted, the folder under it holds none of its files.
 TEST_F(PathRootsTest, ARootWithinARootIsTheOneThatCounts) {
   const PathRoots outer_first({base_, root_}), inner_first({root_, base_});
   EXPECT_TRUE(inner_first.open_input(outside_ + "/map.png").is_open());

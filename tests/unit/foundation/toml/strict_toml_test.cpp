@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of strangers' TOML files: NUL, numbers that are no integers, paths that are not UTF-8, and what is no file.
+// Tests values of strangers' TOML files: NUL, numbers that are not integers, paths that are not UTF-8, and names
+// without a file.
 #include "host/foundation/toml/strict_toml.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Documents just within and just beyond every limit; strings and comments that look like structure; and random
-// documents: whatever the scan accepts is parsed, walked and torn down on a small stack, and is no deeper and no larger
-// than the limits say.
+// Tests documents just within and just beyond every limit, and strings and comments that look like structure. Also
+// tests random documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. The
+// document is no deeper and no larger than the limits allow.
 #include "host/foundation/toml/toml_limits.h"
 
 #include <gtest/gtest.h>
@@ -25,10 +25,10 @@ std::string repeated(const std::string& text, std::size_t count) {
   return all;
 }
 
-// "a.a.a" of so many parts.
+// Returns "a.a.a" with `parts` parts.
 std::string dotted(std::size_t parts, const std::string& part = "a") { return part + repeated("." + part, parts - 1); }
 
-// Runs `body` in a thread with a stack of 256 KiB; of 4 MiB under sanitizers, which put more into each frame.
+// Runs `body` in a thread with a stack of 256 KiB, or of 4 MiB under sanitizers, which use larger frames.
 void on_small_stack(std::function<void()> body) {
 #ifdef MULTUM_SHADOW_MEMORY
   constexpr std::size_t kStackBytes = std::size_t{4} << 20;
@@ -49,7 +49,7 @@ void on_small_stack(std::function<void()> body) {
 }
 
 struct TreeSize {
-  int depth = 0;  // of tables and arrays in one another
+  int depth = 0;  // of nested tables and arrays
   std::size_t nodes = 0;
 };
 
@@ -83,9 +83,9 @@ class TomlLimitsTest : public ::testing::Test {
 
 struct LimitCase {
   std::string name;
-  std::size_t most;                              // of what `text` has `count` of
-  std::function<std::string(std::size_t)> text;  // whose last line has what is too much
-  std::string number;                            // of the message
+  std::size_t most;                              // largest allowed `count`
+  std::function<std::string(std::size_t)> text;  // its last line exceeds the limit
+  std::string number;                            // in the message
 };
 
 std::vector<LimitCase> limit_cases() {
@@ -154,7 +154,7 @@ TEST_F(TomlLimitsTest, TheDeepestArraysOfTablesAreReadOnASmallStack) {
   });
 }
 
-// What ended programs before, and what took a gigabyte.
+// Documents that once crashed programs or took a gigabyte.
 TEST_F(TomlLimitsTest, AreHeldFarBeyondThemToo) {
   expect_refused("b = 1\n" + dotted(32'000) + " = 1\n", 2, {"dotted key", "32"});
   expect_refused("[" + dotted(500'000) + "]\n", 1, {"32"});
@@ -177,12 +177,12 @@ TEST_F(TomlLimitsTest, BytesAreCountedBeforeTheyAreRead) {
 
 // ---- Strings and comments
 
-// All that counts elsewhere, but for quotes, backslashes and ends of lines.
+// All structure that counts outside strings, except for quotes, backslashes and line breaks.
 std::string structure() { return repeated("a.b.[{[[x]]=,1,}]#", 20'000); }
 
 struct HidingCase {
-  std::string name, text;  // sets a key a, and its lines are whole
-  std::string value;       // of a; not looked at where empty
+  std::string name, text;  // sets a key a; its lines are complete
+  std::string value;       // value of a; not checked if empty
 };
 
 std::vector<HidingCase> hiding_cases() {
@@ -249,7 +249,7 @@ class RandomDocument {
  public:
   explicit RandomDocument(std::uint64_t seed) : random_(seed) {}
 
-  // Pieces that mean something to a reader of TOML, in any order: most of it is no TOML.
+  // Joins tokens of TOML in any order; most results are invalid.
   std::string pieces() {
     static const std::vector<std::string> kPieces = {"a",
                                                      "b",
@@ -300,7 +300,7 @@ class RandomDocument {
     return text;
   }
 
-  // TOML for the most part: keys may be there twice.
+  // Makes mostly valid TOML; keys may appear twice.
   std::string document() {
     std::string text;
     for (std::size_t left = below(8); left > 0; --left) {
@@ -382,14 +382,14 @@ TEST_F(TomlLimitsTest, WhatIsAcceptedIsNoDeeperAndNoLarger) {
       ++read;
       limited += is_within ? 0 : 1;
       deep += size.depth > 2 * narrow.depth_max || size.nodes > narrow.item_max + 1 ? 1 : 0;
-      // An array of tables is a level of its own beside each part of its name.
+      // An array of tables is a level of its own in addition to each part of its name.
       if (is_within) {
         EXPECT_LE(size.depth, 2 * narrow.depth_max);
-        EXPECT_LE(size.nodes, narrow.item_max + 1);  // the document itself
+        EXPECT_LE(size.nodes, narrow.item_max + 1);  // plus one for the document itself
       }
     }
   });
-  // That there is something to tell apart.
+  // Enough documents were accepted to test both outcomes.
   EXPECT_GT(read, 3'000u);
   EXPECT_GT(limited, 100u);
   EXPECT_GT(deep, 10u);
@@ -400,7 +400,7 @@ TEST_F(TomlLimitsTest, WhatIsAcceptedIsReadOnASmallStack) {
   on_small_stack([&] {
     for (std::uint64_t i = 0; i < 300; ++i) {
       SplitMix64 random(kSeed + i);
-      // As deep as it may be, by turns of everything that nests.
+      // As deep as allowed, alternating everything that nests.
       std::string text, end;
       int left = 31;
       while (left > 0) {
