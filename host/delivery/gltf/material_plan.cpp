@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "host/delivery/gltf/gltf_uses.h"
+#include "host/foundation/base/error.h"
 
 namespace multum {
 namespace {
