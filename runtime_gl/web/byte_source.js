@@ -118,9 +118,9 @@ export class UrlSource {
     if (response.status === 206) {
       const [, first, total] = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "") ?? [];
       if (first === undefined || Number(first) !== offset)
-        throw new FieldError(`${this.name}: the server answered another range than was asked for`);
+        throw new FieldError(`${this.name}: the server sent another range than requested`);
       if (this.size !== null && this.size !== Number(total))
-        throw new FieldError(`${this.name}: has ${total} bytes now, had ${this.size} before: it was replaced; ` +
+        throw new FieldError(`${this.name}: has ${total} bytes now, had ${this.size} before: the file was replaced; ` +
           "load the page again");
       this.size = Number(total);
       const count = Math.min(length, this.size - offset);

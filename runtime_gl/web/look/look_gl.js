@@ -112,7 +112,7 @@ class LookGl {
       { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
     if (gl === null) throw new Error("this browser has no WebGL 2, or it is switched off");
     if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
-      throw new Error("this WebGL 2 draws no half floats (EXT_color_buffer_half_float)");
+      throw new Error("this WebGL 2 cannot draw half floats (EXT_color_buffer_half_float)");
     this.gl = gl;
     this.rgtc = gl.getExtension("EXT_texture_compression_rgtc");
     this.shaders = shaders;
@@ -194,7 +194,7 @@ class LookGl {
     upload();
     const error = gl.getError();
     if (error !== gl.NO_ERROR && !gl.isContextLost())
-      throw new Error(`a texture of ${width} x ${height} was refused (GL error ${error})`);
+      throw new Error(`cannot create a texture of ${width} x ${height} (GL error ${error})`);
     return texture;
   }
 

@@ -39,7 +39,8 @@ async function bytesOfUri(uri, files) {
     return bytes;
   }
   const file = files.get(nameOfUri(uri));
-  if (file === undefined) throw new Error(`names ${nameOfUri(uri)}, which was not dropped with it: drop all together`);
+  if (file === undefined)
+    throw new Error(`names ${nameOfUri(uri)}, which was not dropped with it: drop all files together`);
   return bytesOfFile(file);
 }
 

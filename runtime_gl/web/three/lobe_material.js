@@ -35,7 +35,7 @@ function checkMaterial(material) {
     refuse(material, `normalScale ${x}, ${y}`,
       "1 or -1: another scale is baked into lobes (multum bake --normal-scale)");
   for (const name of REFUSED)
-    if (material[name] > 0) refuse(material, `${name} ${material[name]}`, "0: lobes do not know it");
+    if (material[name] > 0) refuse(material, `${name} ${material[name]}`, "0: lobes do not support it");
 }
 
 function checkNumbers(numbers) {
