@@ -25,7 +25,7 @@ struct PlayerSettings {
   PlaybackSettings playback;                       // FieldPlayer sets kind
   std::size_t upload_max = std::size_t{16} << 20;  // bytes uploaded per frame, at least 2^16
   bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; else uses the nearest
-  bool waits = false;      // for all images of a frame; else only for the coarsest image of each texture
+  bool waits = false;      // waits for all images of a frame; else only for the coarsest image of each texture
 };
 
 /// State of a layer in a frame.
@@ -37,7 +37,7 @@ struct LayerReport {
 };
 
 struct FrameReport {
-  std::vector<LayerReport> layers;  // in the description's order
+  std::vector<LayerReport> layers;  // one per layer, in the description's order
   std::size_t uploaded_bytes = 0;
   std::size_t textures_made = 0;
   double wait_seconds = 0.0, upload_seconds = 0.0, sum_seconds = 0.0;

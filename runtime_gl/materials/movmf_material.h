@@ -76,7 +76,7 @@ class MovmfMaterial : public Material {
   std::vector<Texture> lobes_;  // empty if there are layers
   std::optional<Texture> layers_;
   std::vector<LobeUnpacking> unpacking_;
-  bool has_black_border_ = false;  // of layers: amplitudes fall to 0 at the border
+  bool has_black_border_ = false;  // layers only: amplitudes fall to 0 at the border
   int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;

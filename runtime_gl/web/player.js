@@ -186,7 +186,7 @@ function start({ file, description, objects, startWorkers, title }) {
   controls.show(player.position);
   showPath();
   showState("");
-  globalThis.multumPlayer = player; // for other scripts and tests
+  globalThis.multumPlayer = player; // global variable for other scripts and tests
 }
 
 // ---- Moving

@@ -4,7 +4,7 @@
 // supersampling^2 sub-pixels per pixel in linear light, and encodes the result as sRGB.
 
 const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
-const SUB_PIXELS_MAX = 1 << 24; // of the framebuffer, with 8 bytes of colour and 4 of depth each
+const SUB_PIXELS_MAX = 1 << 24; // limit for the framebuffer; each has 8 bytes of colour and 4 of depth
 const POSITION = 0;
 const UV = 1;
 
@@ -74,7 +74,7 @@ export class PlayerGl {
     this.anisotropic = gl.getExtension("EXT_texture_filter_anisotropic");
     this.unitsMax = gl.getParameter(gl.MAX_TEXTURE_IMAGE_UNITS);
     this.sideMax = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE), gl.getParameter(gl.MAX_RENDERBUFFER_SIZE));
-    this.programs = new Map(); // by number of textures
+    this.programs = new Map(); // shader programs by number of textures
     this.screen = this.program(SCREEN_VERTEX, MEAN_FRAGMENT);
     this.nothing = gl.createVertexArray();
     this.target = null;

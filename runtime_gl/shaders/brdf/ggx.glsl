@@ -23,7 +23,7 @@ float multum_smith_visibility(float alpha, float n_l, float n_v) {
 #ifdef MULTUM_GGX
 uniform float u_alpha;
 #ifdef MULTUM_ROUGHNESS_TEXTURE
-float multum_alpha;  // at the shaded place; surface/roughness_texture.glsl sets it before shading
+float multum_alpha;  // alpha at the shaded place; surface/roughness_texture.glsl sets it before shading
 #else
 #define multum_alpha u_alpha
 #endif

@@ -7,8 +7,8 @@
 // For many lights, multum_ggx_lobe_facets() computes once what depends only on the lobe, and multum_ggx_lobe_specular()
 // the rest.
 //
-// Over all roughnesses and lobes its error is at most 4.5 % of the exact convolution, relative L1 over the sphere of h
-// (tests/gl/ggx_lobe_test).
+// Over all roughnesses and lobes, its relative L1 error against the exact convolution, over the sphere of h, is at most
+// 4.5 % (tests/gl/ggx_lobe_test).
 
 // Returns P / pi, B, delta and -gamma. Coordinates address texel centres: 31 / 32, and 31 / 32 over sqrt(3).
 vec4 multum_ggx_lobe_shape(sampler2D table, float alpha, float d) {

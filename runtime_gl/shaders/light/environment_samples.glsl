@@ -5,7 +5,7 @@
 // direction that two of these could have found is weighted by the sum of both densities (Veach and Guibas 1995, the
 // balance heuristic). Uses a low-discrepancy sequence, shifted by a hash of the pixel; `u_sample` counts pictures. The
 // map is constant over a texel.
-uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // in the environment's frame
+uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // directions in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 
 vec3 multum_environment_radiance(vec3 l) {

@@ -118,7 +118,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_normals, 0), textureSize(u_normal_map, 0));
   surface.finest.xyz = multum_normal_map_lobe(u_normal_map, st, on_map).xyz;
   surface.finest.w = multum_normal_map_share(footprint.level);
-  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest known colour
+  surface.finest_albedo = surface.albedo;  // colour of the first stored level, the finest known
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif

@@ -12,7 +12,7 @@ const EXR_MULTI_PART = 0x1000, EXR_TILED = 0x200;
 const EXR_PARTS_MAX = 32, EXR_ATTRIBUTES_MAX = 100, EXR_NAME_MAX = 255;
 const EXR_SIDE_MAX = 2048; // same limit as multum look: the page holds a whole map
 const EXR_TILE_MAX = 1024;
-const EXR_VALUE_MAX = 1.01; // of lobes and normals, which are at most 1 before rounding
+const EXR_VALUE_MAX = 1.01; // limit for values of lobes and normals, which are at most 1 before rounding
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
 const EXR_HALF = 1, EXR_FLOAT = 2;
 const PLAIN_UNPACKING = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 1, 1, 0, 0, 0, 0]; // channels x, y, a - z, a

@@ -23,7 +23,7 @@ vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
 // draws polygons from behind the eye to the horizon with an error of up to half a pixel.
 const LOOK_MAIN = `
 uniform vec3 u_eye;
-uniform mat3 u_rays;  // from a pixel's place across and up (-1 to 1) and 1
+uniform mat3 u_rays;  // matrix from a pixel's place (across, up: -1 to 1) and 1 to its ray
 uniform vec2 u_size;  // in pixels
 layout(location = 0) out vec4 o_colour;
 void main() {
