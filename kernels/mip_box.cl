@@ -30,8 +30,8 @@ __kernel void mip_texels(__global const float* planes, __global float* nodes, Mu
   nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
 }
 
-// Copies three features to consecutive planes. One work-item = one texel of the band; global size row_count *
-// map_width.
+// Copies three features to consecutive planes. One work-item = one texel of the band; global size
+// row_count * map_width.
 //   value_x, value_y, value_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of planes first_plane to first_plane + 2
 // Memory bound.

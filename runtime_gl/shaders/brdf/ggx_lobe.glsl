@@ -35,8 +35,8 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
 // Returns the concentration of GGX's facets about h at the lobe's reflecting normals, which is the facets' kappa in the
 // highlight's cosine. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
 // at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus their scatter
-// about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value; e = 1 -
-// mu.h.
+// about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value;
+// e = 1 - mu.h.
 float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   float x = alpha * alpha;
   float facets = 2.0 / x;

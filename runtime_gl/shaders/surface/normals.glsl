@@ -142,8 +142,8 @@ float multum_exponent(MultumSurface surface) {
 #endif
 }
 
-// Returns the exponent s for which 1 / s is the variance of the material's slopes: for a roughness, Beckmann's alpha^2
-// / 2.
+// Returns the exponent s for which 1 / s is the variance of the material's slopes: for a roughness, Beckmann's
+// alpha^2 / 2.
 float multum_slope_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   return multum_exponent(surface) + 2.0;
@@ -153,8 +153,8 @@ float multum_slope_exponent(MultumSurface surface) {
 }
 
 #ifdef MULTUM_TURNED
-// Returns a mean normal whose normals also turn with the geometry: a vMF of variance v / 2 along each axis has 1 - |r|
-// = v / 2.
+// Returns a mean normal whose normals also turn with the geometry: a vMF of variance v / 2 along each axis has
+// 1 - |r| = v / 2.
 vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
 
 // Returns the moments of slopes with that variance added along each axis.
