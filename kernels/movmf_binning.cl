@@ -5,9 +5,8 @@
 // (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
 // Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells:
-// three quarters of it follow the density of normals and one quarter their extent, so that a few steep edges do not
-// coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
+// cells: three quarters of it follow the density of normals and one quarter their extent, so that a few steep edges do
+// not coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
 //
 // Normals that a BRDF's width has shortened (MovmfFit::shortened) are sorted by direction too, in a separate grid for
 // each class of lengths, because lobes must distinguish sharp and wide BRDFs under one texel. Classes end at kappa

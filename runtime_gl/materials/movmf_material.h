@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file on the GPU: one texture per lobe (a r, a), and one per lobe of premultiplied colours if the file has
-// them.
-// The levels are those of the file; trilinear filtering of these values is exact
+// them. The levels are those of the file; trilinear filtering of these values is exact
 // (host/formats/asset/lobes/movmf_mipmap.h). Textures of the normal map replace levels that the file does not store
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of the player. Opens a field that its configuration names, `?file=` in its address names, or the user
-// chooses.
-// Connects controls, path and statistics to the player of the field.
+// chooses. Connects controls, path and statistics to the player of the field.
 //
 // The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
 // page has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).

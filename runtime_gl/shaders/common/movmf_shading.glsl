@@ -15,9 +15,8 @@
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, times the amplitude. A lobe of amplitude 0 (no material, or a lobe that does not occur here) returns
-// 0.
-// The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over f(n . h)
-// vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
+// 0. The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over
+// f(n . h) vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
 
 const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller: no lobe; 1/32767, the least stored amplitude, is 30 times this
