@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) of planes of numbers - colours, moments,
-// heights, radiance - at once, as the map streams by in bands of rows.
+// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) at once, as the map streams by in bands
+// of rows. The planes hold colours, moments, heights or radiance.
 //
 // A texel of a level averages exactly the finest texels that it covers (docs/contributing/ALGORITHMS.md, "Notation"),
 // for any size. Williams supports only powers of two, and computes each level from the one before. Here:

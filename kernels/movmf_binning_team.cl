@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins normals as movmf_binning.cl does, and writes the same bytes, for devices that add to one place from many
-// work-items and give each texel a team of them (host/formats/opencl/launch_shape.h). This is a separate file because a
-// driver compiles everything in a file. This file has only a scalar variant.
+// Bins normals as movmf_binning.cl does, and writes the same bytes. For devices whose work-items can add to one place
+// and work on a texel as a team (host/formats/opencl/launch_shape.h). This is a separate file because a driver compiles
+// everything in a file. This file has only a scalar variant.
 
 #include "device/binned_cells.clh"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a packed field. Each frame a program asks for a point of the parameter space and gets the textures of every
+// Plays a packed field. Each frame, a program asks for a point of the parameter space. It gets the textures of every
 // object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded when
 // they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a single
 // sample, workers add up the sample's coefficients instead and cache whole textures: this takes one transform for all

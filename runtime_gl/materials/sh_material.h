@@ -18,7 +18,7 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Cosines that multiply the highlight for the cosine of its normals (shaders/surface/sh.glsl).
+/// Methods for the cosine that multiplies the highlight (shaders/surface/sh.glsl).
 enum class ShCosine { kMeanNormal, kMeanDirection, kIrradiance };
 
 /// Returns the flags that common/sh_shading.glsl needs.

@@ -4,8 +4,8 @@
 //
 //     specular = multum_movmf_ggx_specular(ggx_lobe_table, lobe, l, v, h, alpha);
 //
-// For many lights, multum_ggx_lobe_facets() computes once what depends only on the lobe, and multum_ggx_lobe_specular()
-// the rest.
+// For many lights, compute the lobe's own part once with multum_ggx_lobe_facets(), and the rest for each light with
+// multum_ggx_lobe_specular().
 //
 // Over all roughnesses and lobes, its relative L1 error against the exact convolution, over the sphere of h, is at most
 // 4.5 % (tests/gl/ggx_lobe_test).
@@ -32,8 +32,8 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
   return multum_ggx_lobe_curve(vec4(shape.x * scale, shape.y * scale, shape.z, shape.w), alpha, d, e);
 }
 
-// Returns the concentration of GGX's facets about h at the lobe's reflecting normals, which is the facets' kappa in the
-// highlight's cosine. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
+// Returns the concentration of GGX's facets about h at the lobe's reflecting normals. The highlight's cosine uses it as
+// the facets' kappa. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
 // at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus their scatter
 // about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value;
 // e = 1 - mu.h.

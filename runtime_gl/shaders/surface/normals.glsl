@@ -8,9 +8,9 @@
 // MULTUM_ROUGHNESS: lengths of normals are a BRDF's width; REFERENCE uses each normal's own width.
 // MULTUM_ROUGHNESS_MAP (not REFERENCE): unit normals; the width comes from a roughness map, averaged plainly as in an
 // engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the map has colours. MULTUM_NORMAL_MAP:
-// levels finer than the stored ones come from the normal map, which has no moments of slopes, by Toksvig's rule; they
-// are shaded before mixing. MULTUM_ALBEDO_MAP: their colours come from the albedo map. MIP, TOKSVIG and LEAN read a
-// baked file of moments, or mips of the finest map, which are the same.
+// levels finer than the stored ones come from the normal map. It has no moments of slopes, so these levels are shaded
+// by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come from the albedo map. MIP, TOKSVIG and LEAN
+// read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // REFERENCE: unit; others: averaged normal, w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
