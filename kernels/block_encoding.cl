@@ -638,8 +638,8 @@ static inline float unreachable_error(Colours c) {
 // One work-item = one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
-// third_is_alpha: the third channel is alpha, and blue is 255. This is an argument and not a second kernel, because the
-// compiler does not inline functions that two kernels call, and BC7 then takes 1.5 times as long (PoCL 3.1, AVX2).
+// third_is_alpha: the third channel is alpha, and blue is 255. This is an argument and not a second kernel: the
+// compiler does not inline functions that two kernels call. BC7 then takes 1.5 times as long (PoCL 3.1, AVX2).
 // Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200 times.
 __kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count,
                                    int third_is_alpha) {

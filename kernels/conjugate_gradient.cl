@@ -31,8 +31,8 @@ __kernel void curvature_product(__global const float4* p, __global float4* q, __
   parts[part] = sum;
 }
 
-// Computes r -= alpha q. Over the part's range, parts[part] = sum of r inverse_diagonal r, and parts[part_count + part]
-// = sum of r r.
+// Computes r -= alpha q. Over the part's range, parts[part] = sum of r inverse_diagonal r, and
+// parts[part_count + part] = sum of r r.
 // One work-item = one part; global size part_count.
 __kernel void advance_residual(__global float4* r, __global const float4* q, __global const float4* inverse_diagonal,
                                __global float4* parts, float4 alpha, int texel_count, int part_count) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), for all textures of a chunk in
-// one launch. Converts colours to three planes, and then applies block cosines (DCT-II, orthonormal) or one level of
-// the biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
+// one launch. Converts colours to three planes. Then applies block cosines (DCT-II, orthonormal) or one level of the
+// biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
 // host/fields/codec/decoder/block_dct.h and wavelet_transform.h define them; the decoder has the inverses.
 //
 // One work-item sums each coefficient in a fixed order, with explicit fma. So the result is the same on every device
@@ -105,8 +105,8 @@ static int mirrored(int i, int n) {
 //
 // Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, `stride`
 // apart; lines are `step` apart. One work-item = one pair of one line of one image: low coefficient 2k and high
-// coefficient 2k + 1, which the last pair of an odd length lacks. Global size image_count * line_count * ceil(length /
-// 2). If lines are columns, neighbouring items are neighbouring columns.
+// coefficient 2k + 1, which the last pair of an odd length lacks. Global size
+// image_count * line_count * ceil(length / 2). If lines are columns, neighbouring items are neighbouring columns.
 //   samples      [image][image_texels]
 //   coefficients [image][image_texels]   written, only inside the rectangle; must be another buffer
 // Memory bound.

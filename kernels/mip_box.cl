@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) of planes of numbers - colours, moments,
-// heights, radiance - at once, as the map streams by in bands of rows.
+// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) at once, as the map streams by in bands
+// of rows. The planes hold colours, moments, heights or radiance.
 //
 // A texel of a level averages exactly the finest texels that it covers (docs/contributing/ALGORITHMS.md, "Notation"),
 // for any size. Williams supports only powers of two, and computes each level from the one before. Here:
@@ -30,8 +30,8 @@ __kernel void mip_texels(__global const float* planes, __global float* nodes, Mu
   nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
 }
 
-// Copies three features to consecutive planes. One work-item = one texel of the band; global size row_count *
-// map_width.
+// Copies three features to consecutive planes. One work-item = one texel of the band; global size
+// row_count * map_width.
 //   value_x, value_y, value_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of planes first_plane to first_plane + 2
 // Memory bound.

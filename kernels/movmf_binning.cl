@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bins the normals of a coarse texel: sorts them into the cells of a grid over directions. Each cell becomes one sample
 // of EM, with the number of its normals as weight and their mean vector as normal. Cells are much smaller than lobes,
-// so EM gives the same result with some thousand cells as with all normals, and first moments stay exact
+// so EM gives the same result with some thousand cells as with all normals. First moments stay exact
 // (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
 // Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells:
-// three quarters of it follow the density of normals and one quarter their extent, so that a few steep edges do not
+// cells: three quarters of it follow the density of normals and one quarter their extent. So a few steep edges do not
 // coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
 //
-// Normals that a BRDF's width has shortened (MovmfFit::shortened) are sorted by direction too, in a separate grid for
-// each class of lengths, because lobes must distinguish sharp and wide BRDFs under one texel. Classes end at kappa
-// 1250, 133 and 22, which are perceptual roughnesses of 0.2, 0.35 and 0.55. So the kappas of a class differ by a factor
-// of 9 at most, except in the sharpest class, whose widths are hardly visible.
+// Normals that a BRDF's width has shortened (MovmfFit::shortened) are also sorted by direction, in a separate grid for
+// each class of lengths. So lobes can distinguish sharp and wide BRDFs under one texel. Classes end at kappa 1250, 133
+// and 22, which are perceptual roughnesses of 0.2, 0.35 and 0.55. So the kappas of a class differ by a factor of 9 at
+// most, except in the sharpest class, whose widths are hardly visible.
 //
 // The map streams by in bands of rows. Sums are whole numbers of 2^-30, so they do not depend on the order of bands,
-// chunks or threads, and thousands of nearly equal normals lose no differences to rounding. 2^28 normals add up to 2^58
-// at most. A launch handles the texels of one row of a level. This file has only a scalar variant.
+// chunks or threads. Thousands of nearly equal normals lose no differences to rounding. 2^28 normals add up to 2^58 at
+// most. A launch handles the texels of one row of a level. This file has only a scalar variant.
 // movmf_binning_team.cl has variants for devices with atomic additions and teams of work-items; they write the same
 // bytes.
 

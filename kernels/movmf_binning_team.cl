@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins normals as movmf_binning.cl does, and writes the same bytes, for devices that add to one place from many
-// work-items and give each texel a team of them (host/formats/opencl/launch_shape.h). This is a separate file because a
-// driver compiles everything in a file. This file has only a scalar variant.
+// Bins normals as movmf_binning.cl does, and writes the same bytes. For devices whose work-items can add to one place
+// and work on a texel as a team (host/formats/opencl/launch_shape.h). This is a separate file because a driver compiles
+// everything in a file. This file has only a scalar variant.
 
 #include "device/binned_cells.clh"
 
@@ -17,9 +17,9 @@ static void add_to_cell(__global long* cells, int cell, long4 value) {
 }
 
 // Does the work of movmf_bin_cells into one table per texel, by atomic additions of whole numbers, whose order does not
-// matter. One work-item = strip_rows rows of one column of one texel; global size width * fit.sample_columns *
-// strip_count, with neighbouring columns in neighbouring items. Consecutive values for one cell are added once
-// together, so that work-items of a flat map do not queue.
+// matter. One work-item = strip_rows rows of one column of one texel; global size
+// width * fit.sample_columns * strip_count, with neighbouring columns in neighbouring items. Consecutive values for one
+// cell are added once together, so that work-items of a flat map do not queue.
 //   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
 __kernel void movmf_bin_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
                             __global const float* restrict normal_z, __global const float* restrict value_x,

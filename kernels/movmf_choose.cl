@@ -10,8 +10,8 @@
 //   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
 //
 // where e, half the inverse of the cap of kappa, is too small a width for any highlight to show. T_j is the mean of
-// lobe j of the parents, weighted as a filter between levels weights them, and of the neighbours that are done. c q -
-// |m|^2 is additive over pairs of normals, and over S_j and T_j; it is computed from pairs. If rounding makes it
+// lobe j of the parents, weighted as a filter between levels weights them, and of the neighbours that are done.
+// c q - |m|^2 is additive over pairs of normals, and over S_j and T_j; it is computed from pairs. If rounding makes it
 // negative, it is still far smaller than e.
 //
 // The least cost is found one lobe after another. The least cost of giving the normals S to the first j lobes is the

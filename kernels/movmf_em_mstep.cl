@@ -61,8 +61,7 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
-//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: the E-step's parameters; out: those of the next
-//   E-step
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: parameters of the E-step; out: of the next one
 //   level   [lobe][window_rows * width]                       written in the last iteration, which keeps `start`
 //   alignment_vectors [lobe][window_rows * width][4]          written in the last iteration, for the neighbours' priors
 // Sums of up to 2^16 chunks are compensated: their rounding error stays that of one addition. Memory bound.

@@ -26,8 +26,7 @@
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
 // A frame about the unit normal n. Its x axis is the map's x axis, turned into the tangent plane, as renderers do with
-// a
-// tangent by Gram-Schmidt.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+// a tangent by Gram-Schmidt.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
 typedef struct LobeFrame {
   real_v xx, xy, xz;  // the x axis
   real_v yy, yz;      // the y axis; its x component is 0
@@ -103,8 +102,8 @@ typedef struct SampledTexels {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
 } SampledTexels;
 
-// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane; global size grid * stride /
-// MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat it.
+// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane; global size
+// grid * stride / MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat it.
 //   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
 //   base       [slot][map_width]         alpha^2 of the same texels, if piece.has_base_map
 //   row_slots  [row_count][grid]         the slot of each row of samples

@@ -17,7 +17,7 @@
 #define PROBE_LOG2 1
 #define PROBE_KAPPA 2          // kappa of a mean length, given as spread
 #define PROBE_ISNAN 3          // 1 if isnan() detects a NaN: relaxed mathematics would answer 0
-#define PROBE_LOG_PEAK 4       // of amplitude 1, at kappa
+#define PROBE_LOG_PEAK 4       // log2 peak of amplitude 1, at kappa
 #define PROBE_ONE_MINUS_LOG 5  // log2(1 - e)
 #define PROBE_SHADING_KAPPA 6  // of q = 1 - A
 #define PROBE_VMF_PEAK 7       // vMF density at its mean, at kappa

@@ -55,8 +55,8 @@
     }                                                                                                            \
   }
 // Refined lobes are kept if their error is at most this times that of EM's lobes, because EM's lobes fit less well next
-// to refined ones (four-quarter map of 1024, 4 lobes, s = 100, midway in x at level 3: 9.8 % with 1). A level's only
-// texel has no neighbours and uses 1.
+// to refined ones. With 1, the error is 9.8 % (four-quarter map of 1024, 4 lobes, s = 100, midway in x at level 3). A
+// level's only texel has no neighbours and uses 1.
 #define MULTUM_REFINE_LOOK_SLACK 1.1f
 // Highlights below this, of exponents that no direction shows, count as equal.
 #define MULTUM_REFINE_SEEN_MIN 1e-6f

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a packed field. Each frame a program asks for a point of the parameter space and gets the textures of every
+// Plays a packed field. Each frame, a program asks for a point of the parameter space. It gets the textures of every
 // object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded when
 // they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a single
 // sample, workers add up the sample's coefficients instead and cache whole textures: this takes one transform for all
@@ -25,7 +25,7 @@ struct PlayerSettings {
   PlaybackSettings playback;                       // FieldPlayer sets kind
   std::size_t upload_max = std::size_t{16} << 20;  // bytes uploaded per frame, at least 2^16
   bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; else uses the nearest
-  bool waits = false;      // for all images of a frame; else only for the coarsest image of each texture
+  bool waits = false;      // waits for all images of a frame; else only for the coarsest image of each texture
 };
 
 /// State of a layer in a frame.
@@ -37,7 +37,7 @@ struct LayerReport {
 };
 
 struct FrameReport {
-  std::vector<LayerReport> layers;  // in the description's order
+  std::vector<LayerReport> layers;  // one per layer, in the description's order
   std::size_t uploaded_bytes = 0;
   std::size_t textures_made = 0;
   double wait_seconds = 0.0, upload_seconds = 0.0, sum_seconds = 0.0;

@@ -19,7 +19,7 @@ std::unique_ptr<HeadlessContext> make_egl_context(DebugOutput debug);
 struct EglOffer {
   std::string display;      // "device 0", "surfaceless"
   bool is_software;         // as reported by the device's driver
-  std::string description;  // of the display's context; empty if it has none
+  std::string description;  // description of the display's context; empty if it has none
   std::string reason;       // why not
 };
 

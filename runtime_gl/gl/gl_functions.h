@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The OpenGL functions that this runtime calls, and no others, loaded by a back-end's GetProcAddress. This table
 // replaces loader libraries for measured reasons: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's
-// functions.
-// GetProcAddress returns an address even for names that do not exist, so the version is checked first.
+// functions. GetProcAddress returns an address even for names that do not exist, so the version is checked first.
 #pragma once
 
 #include <GL/glcorearb.h>

@@ -12,7 +12,7 @@ namespace multum::gl {
 
 /// Texts are concatenated in order, without version lines.
 struct ShaderSources {
-  std::string name;                // in messages: "movmf"
+  std::string name;                // name in messages: "movmf"
   std::vector<std::string> flags;  // "MULTUM_LOBE_COUNT 4"
   std::vector<std::string> vertex;
   std::vector<std::string> fragment;

@@ -15,7 +15,7 @@ namespace multum::gl {
 /// GLSL of a shader's variant: each flag becomes one #define, and the texts follow one another.
 struct ShaderParts {
   std::vector<std::string> flags;
-  std::vector<const char*> texts;  // from embedded_shaders.h
+  std::vector<const char*> texts;  // texts from embedded_shaders.h
 };
 
 class Material {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file on the GPU: one texture per lobe (a r, a), and one per lobe of premultiplied colours if the file has
-// them.
-// The levels are those of the file; trilinear filtering of these values is exact
+// them. The levels are those of the file; trilinear filtering of these values is exact
 // (host/formats/asset/lobes/movmf_mipmap.h). Textures of the normal map replace levels that the file does not store
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once
@@ -76,7 +75,7 @@ class MovmfMaterial : public Material {
   std::vector<Texture> lobes_;  // empty if there are layers
   std::optional<Texture> layers_;
   std::vector<LobeUnpacking> unpacking_;
-  bool has_black_border_ = false;  // of layers: amplitudes fall to 0 at the border
+  bool has_black_border_ = false;  // layers only: amplitudes fall to 0 at the border
   int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;

@@ -166,7 +166,7 @@ int NormalMaterial::bind(const ShaderProgram& shader) const {
   binder.bind("u_slopes", slopes_);
   binder.bind("u_albedo", albedo_);
   binder.bind("u_roughness", roughness_);
-  shader.set("u_wrap_s", static_cast<int>(wrap_s_));  // in the order of WrapMode
+  shader.set("u_wrap_s", static_cast<int>(wrap_s_));  // values in the order of WrapMode
   shader.set("u_wrap_t", static_cast<int>(wrap_t_));
   if (is_of_basis()) binder.bind("u_weights", weights_);
   return binder.next_unit();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): one array of
 // textures with four coefficients per layer, and textures of colours and of weights of basis BRDFs if the file has
-// them.
-// An array is needed because a shader is only guaranteed 16 samplers, and order 8 takes 20. The levels are those of the
-// file. Textures of the normal map replace levels that the file does not store.
+// them. An array is needed because a shader is only guaranteed 16 samplers, and order 8 takes 20. The levels are those
+// of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>
@@ -19,7 +18,7 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Cosines that multiply the highlight for the cosine of its normals (shaders/surface/sh.glsl).
+/// Methods for the cosine that multiplies the highlight (shaders/surface/sh.glsl).
 enum class ShCosine { kMeanNormal, kMeanDirection, kIrradiance };
 
 /// Returns the flags that common/sh_shading.glsl needs.

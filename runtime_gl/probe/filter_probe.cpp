@@ -30,8 +30,8 @@ struct Entry {
   float weight;
 };
 
-// Returns the number of texels of a level that a footprint is first assumed to reach: anisotropy a along a line of a
-// texels, plus one texel for bilinear filtering.
+// Returns the number of texels of a level that a footprint is first assumed to reach. Anisotropy a reaches along a line
+// of a texels, and bilinear filtering adds one texel.
 int first_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? static_cast<int>(std::ceil(sampler.anisotropy)) + 3 : 2;
 }

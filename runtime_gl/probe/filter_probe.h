@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the filter matrix of texture inference with GL itself (Hakura et al. 2000, section 3.2, "Obtaining matrix
-// A").
-// The paper sets every sixth texel of every third level at once and renders 108 times; here all texels are set at once.
-// Each texel belongs to one of a few classes (texel_classes.h), and no footprint holds two texels of a class. One draw
-// measures eight classes in as many channels, and two digits of the texel's number in other channels, as the paper does
-// with identifiers. Trilinear filtering of even sizes needs only one draw.
+// A"). The paper sets every sixth texel of every third level at once and renders 108 times; here all texels are set at
+// once. Each texel belongs to one of a few classes (texel_classes.h), and no footprint holds two texels of a class. One
+// draw measures eight classes in as many channels, and two digits of the texel's number in other channels, as the paper
+// does with identifiers. Trilinear filtering of even sizes needs only one draw.
 //
-// Departures: with float buffers the paper's correction of truncated rows is not needed. Identifiers are weight *
-// digit, so a tiny weight cannot identify its texel. Such texels are found by the texture coordinate, and the digits
-// only choose between neighbours. The reach of an anisotropic footprint depends on the driver. So every row is checked
-// against a draw of a random texture, and classes are made wider while more than a thousandth of the rows fail. A row
-// that still fails, or does not sum to 1, is left out and counted.
+// Departures: with float buffers the paper's correction of truncated rows is not needed. Identifiers are
+// weight * digit, so a tiny weight cannot identify its texel. Such texels are found by the texture coordinate, and the
+// digits only choose between neighbours. The reach of an anisotropic footprint depends on the driver. So every row is
+// checked against a draw of a random texture, and classes are made wider while more than a thousandth of the rows fail.
+// A row that still fails, or does not sum to 1, is left out and counted.
 #pragma once
 
 #include "host/fields/inferred/filter_matrix.h"

@@ -32,7 +32,7 @@ class BrdfShading {
   struct Numbers {
     float exponent;
     glm::vec3 total;
-    std::vector<glm::vec3> weights;               // of terms, if the shader uses them
+    std::vector<glm::vec3> weights;               // weights of terms, if the shader uses them
     std::vector<float> spreads;                   // as many
     std::map<int, std::vector<glm::vec3>> zonal;  // by order
   };
@@ -43,7 +43,7 @@ class BrdfShading {
   KeptOfBrdf<Numbers> kept_;
   std::optional<Texture> ggx_lobes_;
   std::shared_ptr<const RoughnessMap> roughness_map_;
-  std::optional<Texture> roughness_;  // of `roughness_map_`
+  std::optional<Texture> roughness_;  // texture of `roughness_map_`
 };
 
 }  // namespace multum::gl

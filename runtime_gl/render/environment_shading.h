@@ -46,7 +46,7 @@ class EnvironmentShading {
   struct Tables {
     std::vector<float> term_spreads;
     std::optional<Texture> texture;     // none for Lambert
-    std::vector<glm::vec3> half_zonal;  // to kHalfVectorOrder, if requested
+    std::vector<glm::vec3> half_zonal;  // orders up to kHalfVectorOrder, if requested
   };
   Tables make_tables(const Brdf& brdf) const;
   void set_half_vector_light(const RenderScene& scene, glm::ivec2 viewport);

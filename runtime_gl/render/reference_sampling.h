@@ -26,8 +26,8 @@ struct ReferenceSampling {
   PixelFilter filter = PixelFilter::kBox;
 };
 
-/// Returns a sample's offset from the pixel's middle, in pixels. Roberts' R2 sequence (multiples of 1/g and 1/g^2, g^3
-/// = g + 1), which is evenly spread for every count, goes through the inverse of the filter's distribution in each
+/// Returns a sample's offset from the pixel's middle, in pixels. Roberts' R2 sequence (multiples of 1/g and 1/g^2,
+/// g^3 = g + 1), which is evenly spread for every count, goes through the inverse of the filter's distribution in each
 /// direction.
 glm::vec2 reference_offset(PixelFilter filter, int sample);
 

@@ -27,8 +27,8 @@ struct Picture {
   double frame_time_ms;
   double processor_time_ms = 0.0;  // least of such frames, in all threads of this process; reference: 0
   double draw_time_ms = 0.0;       // drawing time by the driver's own clock (GL_TIME_ELAPSED); reference: 0
-  int sample_count = 0;            // of a reference, per pixel
-  double noise = 0.0;              // of a reference (ReferenceSum::noise)
+  int sample_count = 0;            // samples per pixel of a reference
+  double noise = 0.0;              // noise of a reference (ReferenceSum::noise)
   int frame_count = 1;             // whole frames drawn for this picture
 };
 
@@ -49,9 +49,9 @@ struct ShaderVariant {
 /// Returns the fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
-constexpr int kTimedFrames = 3;        // of Renderer::draw, an odd number
+constexpr int kTimedFrames = 3;        // frames that Renderer::draw times, an odd number
 constexpr double kLongFrameMs = 10.0;  // a longer frame is timed once: some take seconds in software
-constexpr int kReferenceUnits = 1000;  // of progress, per reference picture
+constexpr int kReferenceUnits = 1000;  // units of progress per reference picture
 
 class Renderer {
  public:

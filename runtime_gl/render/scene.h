@@ -15,11 +15,11 @@
 
 namespace multum::gl {
 
-constexpr int kLightCountMax = 8;  // of each kind
+constexpr int kLightCountMax = 8;  // limit for each kind of light
 
 struct Light {
   glm::vec3 direction{0.3f, 0.8f, 0.5f};  // towards the light, any length > 0
-  glm::vec3 irradiance{3.14159265f};      // on a surface that faces it
+  glm::vec3 irradiance{3.14159265f};      // irradiance on a facing surface
 };
 
 struct PointLight {
@@ -39,8 +39,8 @@ struct TextureFilter {
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
   bool shades_taps = kShadesTapsDefault;  // shades each tap separately; else averages the taps and shades once
   bool is_drivers = false;                // uses the driver's own sampler instead: its anisotropy, no bias
-  int evaluations = 0;     // of the material per pixel, a power of two, 1 to kEvaluationsMax; 0: by taps, as above;
-                           // kEvaluationsOfLobes
+  int evaluations = 0;  // evaluations of the material per pixel, a power of two up to kEvaluationsMax; 0: by taps, as
+                        // above; kEvaluationsOfLobes
   bool is_turned = false;  // normals turn within a pixel, as on a mesh: shaders/scene.frag
 };
 
@@ -66,7 +66,7 @@ struct RenderScene {
   glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit, the map's up direction; with +Z, the map's middle is at +Y
   float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise seen from above
   Brdf brdf;
-  std::shared_ptr<const RoughnessMap> roughness;  // of GGX under lights, times the BRDF's roughness; null: 1
+  std::shared_ptr<const RoughnessMap> roughness;  // roughness of GGX under lights, times the BRDF's own; null: 1
   TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };

@@ -7,7 +7,7 @@ import { errorText } from "./error_text.js";
 const ATTEMPTS = 4;
 const FIRST_PAUSE_MS = 250; // doubles with each attempt
 const SILENCE_MS = 20000; // without a byte, the connection counts as cut
-const BODY_BYTES_MAX = 2 ** 31; // from a server without ranges
+const BODY_BYTES_MAX = 2 ** 31; // limit for a body from a server without ranges
 
 export class FieldError extends Error {}
 
@@ -118,9 +118,9 @@ export class UrlSource {
     if (response.status === 206) {
       const [, first, total] = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "") ?? [];
       if (first === undefined || Number(first) !== offset)
-        throw new FieldError(`${this.name}: the server answered another range than was asked for`);
+        throw new FieldError(`${this.name}: the server sent another range than requested`);
       if (this.size !== null && this.size !== Number(total))
-        throw new FieldError(`${this.name}: has ${total} bytes now, had ${this.size} before: it was replaced; ` +
+        throw new FieldError(`${this.name}: has ${total} bytes now, had ${this.size} before: the file was replaced; ` +
           "load the page again");
       this.size = Number(total);
       const count = Math.min(length, this.size - offset);

@@ -46,7 +46,7 @@ export class DecodingPool {
       if (this.isRunning(wish)) continue;
       const slot = this.ownerOf(wish.chunk);
       if (slot === null) {
-        this.drop(wish, new Error("no worker is left that decodes: load the page again"));
+        this.drop(wish, new Error("all decoding workers have failed: load the page again"));
         return;
       }
       const isHere = slot.has.has(wish.chunk) || this.sections.has(wish.chunk);
@@ -110,7 +110,7 @@ export class DecodingPool {
   }
 
   broken(slot, event) {
-    const error = new Error(`a worker that decodes broke down (${errorText(event, "it did not start")})`);
+    const error = new Error(`a decoding worker failed (${errorText(event, "it did not start")})`);
     const isHis = (wish) => this.owners.get(wish.chunk) === slot;
     const wishes = this.wishes.filter(isHis);
     slot.current = null;

@@ -15,7 +15,7 @@ const MEMORY_BYTES_MAX = 128 * 2 ** 20;
 
 let wasm = null;
 let decoder = null; // promise
-const chunks = new Map(); // by name, least recently used first
+const chunks = new Map(); // decoded chunks by name, least recently used first
 
 const restart = () => {
   chunks.clear();

@@ -9,7 +9,7 @@ const textOf = (value) => (typeof value === "string" && value.trim() !== "" ? va
  * with the kind of error if it has one.
  */
 export function errorText(thrown, otherwise = "the browser gives no reason") {
-  const inner = thrown?.error ?? thrown?.reason; // of an ErrorEvent or a rejection
+  const inner = thrown?.error ?? thrown?.reason; // error inside an ErrorEvent or a rejection
   const found = textOf(thrown) ?? textOf(thrown?.message) ?? textOf(inner) ?? textOf(inner?.message);
   if (found !== null) return found;
   const name = textOf(thrown?.name) ?? textOf(inner?.name);

@@ -37,7 +37,7 @@ class Checker {
     return value;
   }
   real(value, where) {
-    if (typeof value !== "number" || !Number.isFinite(value)) this.refuse(where, "is no finite number");
+    if (typeof value !== "number" || !Number.isFinite(value)) this.refuse(where, "is not a finite number");
     return value;
   }
   reals(value, where, count) {
@@ -91,7 +91,7 @@ export class FieldDescription {
       check.refuse("samples", `are ${samples.length}, expected ${this.sizes.join(" x ")}`);
     this.sampleOfPosition = new Int32Array(samples.length).fill(-1);
     samples.forEach((sample, i) => { this.sampleOfPosition[this.positionOf(sample.at)] = i; });
-    if (this.sampleOfPosition.includes(-1)) check.refuse("samples", "leave a point of the grid out");
+    if (this.sampleOfPosition.includes(-1)) check.refuse("samples", "leave out a point of the grid");
   }
 
   positionOf(at) {

@@ -69,7 +69,7 @@ export class MptFile {
     const head = this.first.subarray(0, HEAD_BYTES);
     if (head.length < HEAD_BYTES) this.refuse(`has ${head.length} bytes, expected a packed field`);
     if (String.fromCharCode(...head.subarray(0, 4)) !== "MPTF")
-      this.refuse("is no packed field: it does not begin with MPTF");
+      this.refuse("is not a packed field: it does not begin with MPTF");
     if (head[4] !== VERSION) this.refuse(`is a packed field of version ${head[4]}, expected ${VERSION}`);
     const reader = new NumberReader(head.subarray(5));
     const length = reader.fixed32();
@@ -98,7 +98,7 @@ export class MptFile {
     if (reader.isBroken || reader.at < reader.bytes.length)
       this.refuse("its index is longer or shorter than its sections");
     if (this.source.size !== null && this.source.size !== offset)
-      this.refuse(`has ${this.source.size} bytes, its index says ${offset}: it was cut, or is another's`);
+      this.refuse(`has ${this.source.size} bytes, its index says ${offset}: it was cut, or belongs to another file`);
     if (this.description === null) this.refuse("has no description");
   }
 
@@ -117,7 +117,7 @@ export class MptFile {
     const bytes = await this.section(this.description, "description");
     const reader = new NumberReader(bytes);
     const length = reader.number(TEXT_BYTES_MAX);
-    if (reader.isBroken) this.refuse("its description does not say how long it is");
+    if (reader.isBroken) this.refuse("its description does not give its length");
     const stream = new Blob([bytes.subarray(reader.at)]).stream().pipeThrough(new DecompressionStream("deflate"));
     const parts = [];
     let count = 0;
@@ -126,18 +126,18 @@ export class MptFile {
         const { done, value } = await from.read();
         if (done) break;
         count += value.length;
-        if (count > length) this.refuse("its description is longer than it says");
+        if (count > length) this.refuse("its description is longer than its stated length");
         parts.push(value);
       }
     } catch (error) {
       if (error instanceof FieldError) throw error;
       this.refuse("its description cannot be inflated");
     }
-    if (count !== length) this.refuse("its description is shorter than it says");
+    if (count !== length) this.refuse("its description is shorter than its stated length");
     try {
       return JSON.parse(await new Blob(parts).text());
     } catch {
-      return this.refuse("its description is no JSON");
+      return this.refuse("its description is not JSON");
     }
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of the player. Opens a field that its configuration names, `?file=` in its address names, or the user
-// chooses.
-// Connects controls, path and statistics to the player of the field.
+// chooses. Connects controls, path and statistics to the player of the field.
 //
 // The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
 // page has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).
@@ -55,8 +54,8 @@ function showState(text) {
 /** Shows the loss of the graphics context, which browsers remove when a driver is reset or memory is short. */
 function showLoss(isLost) {
   byId("canvas").style.visibility = isLost ? "hidden" : ""; // browsers show a broken picture
-  showState(isLost ? "The browser has lost the graphics context: the picture comes back by itself as soon as the " +
-    "graphics driver does. If it stays away, reload the page." : "");
+  showState(isLost ? "The browser has lost the graphics context. The picture returns as soon as the graphics driver " +
+    "recovers. If it does not return, reload the page." : "");
 }
 
 sayUncaughtErrors(say);
@@ -124,7 +123,7 @@ async function checkHash({ bytes, name, hash }) {
   if (hash === undefined || !globalThis.crypto?.subtle) return; // http: from another machine has no crypto.subtle
   const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes));
   const found = [...digest].map((one) => one.toString(16).padStart(2, "0")).join("");
-  if (found !== hash) throw new FieldError(`${name}: is not the geometry that the field's textures are for (SHA-256 ` +
+  if (found !== hash) throw new FieldError(`${name}: is not the geometry of this field's textures (SHA-256 ` +
     `${found}, expected ${hash})`);
 }
 
@@ -186,7 +185,7 @@ function start({ file, description, objects, startWorkers, title }) {
   controls.show(player.position);
   showPath();
   showState("");
-  globalThis.multumPlayer = player; // for other scripts and tests
+  globalThis.multumPlayer = player; // global variable for other scripts and tests
 }
 
 // ---- Moving
@@ -254,7 +253,7 @@ const toggleRecording = () => (recording ? stopRecording() : startRecording());
 
 function toggleFullScreen() {
   if (document.fullscreenElement) document.exitFullscreen();
-  else byId("player").requestFullscreen?.().catch((error) => say(`Full screen is refused: ${errorText(error)}`));
+  else byId("player").requestFullscreen?.().catch((error) => say(`Full screen is not available: ${errorText(error)}`));
 }
 
 // ---- Statistics
@@ -272,7 +271,7 @@ function statisticsRows() {
     "Requests tried again": String(counts.retries),
     Resident: mib(store.bytes),
     "Most resident": mib(store.peak),
-    "Given up for others": String(store.evictions),
+    "Removed for others": String(store.evictions),
     "Without room": String(player.refused.size),
     "Decoders' memory": mib(pool.memory),
     "Frames with misses": `${statistics.misses} of ${statistics.frames}`,

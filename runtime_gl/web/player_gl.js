@@ -4,7 +4,7 @@
 // supersampling^2 sub-pixels per pixel in linear light, and encodes the result as sRGB.
 
 const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
-const SUB_PIXELS_MAX = 1 << 24; // of the framebuffer, with 8 bytes of colour and 4 of depth each
+const SUB_PIXELS_MAX = 1 << 24; // limit for the framebuffer; each has 8 bytes of colour and 4 of depth
 const POSITION = 0;
 const UV = 1;
 
@@ -68,13 +68,13 @@ export class PlayerGl {
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false });
     if (gl === null) throw new Error("this browser has no WebGL 2, or it is switched off");
     if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
-      throw new Error("this WebGL 2 draws no half floats (EXT_color_buffer_half_float)");
+      throw new Error("this WebGL 2 cannot draw half floats (EXT_color_buffer_half_float)");
     this.gl = gl;
     this.canvas = canvas;
     this.anisotropic = gl.getExtension("EXT_texture_filter_anisotropic");
     this.unitsMax = gl.getParameter(gl.MAX_TEXTURE_IMAGE_UNITS);
     this.sideMax = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE), gl.getParameter(gl.MAX_RENDERBUFFER_SIZE));
-    this.programs = new Map(); // by number of textures
+    this.programs = new Map(); // shader programs by number of textures
     this.screen = this.program(SCREEN_VERTEX, MEAN_FRAGMENT);
     this.nothing = gl.createVertexArray();
     this.target = null;
@@ -89,12 +89,12 @@ export class PlayerGl {
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
       if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
-        throw new Error(`the driver refuses a shader: ${gl.getShaderInfoLog(shader)}`);
+        throw new Error(`the driver rejects a shader: ${gl.getShaderInfoLog(shader)}`);
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
-      throw new Error(`the driver refuses a program: ${gl.getProgramInfoLog(program)}`);
+      throw new Error(`the driver rejects a program: ${gl.getProgramInfoLog(program)}`);
     return program;
   }
 
@@ -185,7 +185,7 @@ export class PlayerGl {
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, target.depth);
     const status = gl.checkFramebufferStatus(gl.FRAMEBUFFER);
     if (status !== gl.FRAMEBUFFER_COMPLETE && !gl.isContextLost())
-      throw new Error(`the driver refuses a framebuffer of ${width} x ${height} halves (status ${status})`);
+      throw new Error(`the driver rejects a framebuffer of ${width} x ${height} halves (status ${status})`);
     this.target = target;
   }
 

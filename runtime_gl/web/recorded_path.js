@@ -18,9 +18,9 @@ export class RecordedPath {
     try {
       json = JSON.parse(text);
     } catch {
-      throw new Error("the path is no JSON");
+      throw new Error("the path is not JSON");
     }
-    if (json?.multumPath !== 1) throw new Error("the file is no path: expected \"multumPath\": 1");
+    if (json?.multumPath !== 1) throw new Error("the file is not a path: expected \"multumPath\": 1");
     if (JSON.stringify(json.parameters) !== JSON.stringify(parameters))
       throw new Error(`the path is through ${json.parameters}, the field has ${parameters}`);
     const isSound = Array.isArray(json.positions) && json.positions.length >= 2 &&

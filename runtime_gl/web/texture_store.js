@@ -33,7 +33,7 @@ export class TextureStore {
 
   /** Call only after makeRoom(entry.bytes). */
   put(key, entry) {
-    if (this.bytes + entry.bytes > this.budget) throw new Error("no room was made for what is stored");
+    if (this.bytes + entry.bytes > this.budget) throw new Error("no room was made for the new entry");
     this.entries.set(key, entry);
     this.bytes += entry.bytes;
     this.peak = Math.max(this.peak, this.bytes);

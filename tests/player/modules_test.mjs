@@ -180,13 +180,13 @@ const steps = {
     near(corner, [1, 2, 3 - 2], 1e-12, "where (1, 0, 0) is");
     for (const [change, pattern] of [
       [(one) => { one.meshes[0].primitives[0].attributes.TEXCOORD_1 = undefined; }, /no texture coordinates of set 1/],
-      [(one) => { one.accessors[0].count = 1000; }, /accessors\[0\] lies beyond its buffer/],
+      [(one) => { one.accessors[0].count = 1000; }, /accessors\[0\] extends beyond its buffer/],
       [(one) => { one.accessors[2].count = 2 ** 40; }, /beyond its buffer/],
       [(one) => { one.accessors[0].sparse = {}; }, /sparse/],
-      [(one) => { one.nodes[1].children = [0]; }, /nodes\[0\] in two places, or within itself/],
-      [(one) => { one.nodes[1].rotation = ["x", 0, 0, 1]; }, /placed by no numbers/],
+      [(one) => { one.nodes[1].children = [0]; }, /nodes\[0\] in two places, or inside itself/],
+      [(one) => { one.nodes[1].rotation = ["x", 0, 0, 1]; }, /transform is not numeric/],
       [(one) => { one.extensionsRequired = ["KHR_draco_mesh_compression"]; }, /KHR_draco_mesh_compression/],
-      [(one) => { one.nodes.push({ name: "thing", mesh: 0 }); one.scenes[0].nodes.push(2); }, /'thing' is there twice/],
+      [(one) => { one.nodes.push({ name: "thing", mesh: 0 }); one.scenes[0].nodes.push(2); }, /'thing' appears twice/],
       [(one) => { one.buffers[0].uri = "http://elsewhere/b.bin"; }, /other files/]]) {
       const changed = structuredClone(json);
       change(changed);
@@ -198,7 +198,7 @@ const steps = {
     assert.throws(() => readGlb(glb(json, infinite), "t.glb", 1), /accessors\[0\] has a number that is not finite/);
     const cut = Buffer.from(binary);
     cut.writeUInt8(3, 49);
-    assert.throws(() => readGlb(glb(json, cut), "t.glb", 1), /vertex 3 of 3/);
+    assert.throws(() => readGlb(glb(json, cut), "t.glb", 1), /vertex 3, expected one below 3/);
   },
 
   /** Whatever stands in a glTF, it is refused by words or has triangles that are whole. */

@@ -245,12 +245,12 @@ const steps = {
       index: [Buffer.from(bytes.map((b, i) => (i === 12 ? b ^ 1 : b))), /index is damaged/],
       tiny: [bytes.subarray(0, 30), /cut short within its index/],
       hugeIndex: [Buffer.from(bytes.map((b, i) => (i >= 5 && i < 9 ? 255 : b))), /expected at most 2\^26/],
-      bomb: [fileOf([descriptionSection(`"${" ".repeat(50000000)}"`, 1000)]), /longer than it says/],
-      noJson: [fileOf([descriptionSection("{", 1)]), /no JSON/],
+      bomb: [fileOf([descriptionSection(`"${" ".repeat(50000000)}"`, 1000)]), /longer than its stated length/],
+      noJson: [fileOf([descriptionSection("{", 1)]), /not JSON/],
       nothing: [fileOf([]), /no description/],
       list: [fileOf([descriptionSection("[]")]), /is no object/],
       wide: [described((json) => { json.width = 1e9; }), /width is 1000000000, expected 1 to 16384/],
-      matrix: [described((json) => { json.views[0][1][2] = "1"; }), /views is no finite number/],
+      matrix: [described((json) => { json.views[0][1][2] = "1"; }), /views is not a finite number/],
       sample: [described((json) => { json.samples.pop(); }), /samples are 5, expected 3 x 2/],
       view: [described((json) => { json.samples[0][2] = 77; }), /samples is 77/],
       mapping: [described((json) => { json.objects[0].mappingOfSample[0] = -1; }), /mappingOfSample is -1/],
@@ -267,7 +267,7 @@ const steps = {
     }
     // Geometry too.
     const geometry = await readFile(path.join(folder, "player", "geometry.glb"));
-    for (const [name, file, pattern] of [["glb_text", Buffer.from("o quad\nv 0 0 0\n and so on"), /no binary glTF/],
+    for (const [name, file, pattern] of [["glb_text", Buffer.from("o quad\nv 0 0 0\n and so on"), /not a binary glTF/],
       ["glb_cut", geometry.subarray(0, geometry.length - 100), /its head says/],
       ["glb_json", Buffer.from(geometry.map((b, i) => (i === 20 ? 0 : b))), /JSON is damaged/]]) {
       const page = await openPage(server.copy(name, "player", { "geometry.glb": file }));
@@ -284,7 +284,7 @@ const steps = {
     for (const [name, file, content, pattern] of [
       ["no_wasm", "packed_field.wasm", null, /packed_field\.wasm: the server answered 404, expected 200/],
       ["bad_wasm", "packed_field.wasm", Buffer.from("no module"), /layer '.+' of object '.+', block \d: .*WebAssembly/],
-      ["no_worker", "decoding_worker.js", null, /a worker that decodes broke down/]]) {
+      ["no_worker", "decoding_worker.js", null, /a decoding worker failed/]]) {
       const page = await openPage(server.copy(name, "player", content ? { [file]: content } : {}, (one) =>
         (one === file && content === null ? { status: 404 } : {})));
       await problem(page, pattern);
@@ -423,7 +423,7 @@ const steps = {
     };
     await load(JSON.stringify({ ...kept, positions: [[0, 0, 0], [30, 2, 1]] }));
     await page.getByText("Path of 30.0 s").waitFor();
-    for (const [content, pattern] of [["x", /no JSON/], ["{}", /no path/],
+    for (const [content, pattern] of [["x", /not JSON/], ["{}", /not a path/],
       [JSON.stringify({ ...kept, parameters: ["a"] }), /the field has view,light/],
       [JSON.stringify({ ...kept, positions: [[0, 0, 0], [-1, 2, 1]] }), /positions are damaged/]]) {
       await load(content);

@@ -3,11 +3,11 @@
 //
 // Departures from the paper. Its rule s' = kappa s / (kappa + s) (eq. 20) is kept as
 // multum_movmf_blinn_phong_paper(): relative L1 over the hemisphere 3 % at kappa 50, 22 % at 5, 54-70 % at kappa <= 1.
-// The rule here: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine A
-// = |r| c_f, c_f = the mean cosine of f. One weight blends two shapes that have this mean cosine: a vMF, which is right
-// for a broad lobe, and a cosine power, which is right for a lobe sharper than f and exact at |r| = 1. Errors by
-// quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from
-// 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
+// The rule here: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine
+// A = |r| c_f, c_f = the mean cosine of f. One weight blends two shapes that have this mean cosine. A vMF is right for
+// a broad lobe. A cosine power is right for a lobe sharper than f, and exact at |r| = 1. Errors by quadrature
+// (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from 3, 1.8 %
+// from 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
 
 // Constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)).
 const float MULTUM_SHAPE_BLEND = 1.4;

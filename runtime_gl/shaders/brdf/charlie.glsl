@@ -6,8 +6,8 @@
 // V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007. KHR_materials_sheen allows it instead of V of
 // Estevez and Kulla, and Filament and three.js use it, so artists see the same result here as in their engine.
 
-// Returns (1 + p) / pi (1 - t^2)^p = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with p = 1 / (2 alpha), t = n.h, e = 1 -
-// t.
+// Returns (1 + p) / pi (1 - t^2)^p = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with p = 1 / (2 alpha), t = n.h,
+// e = 1 - t.
 float multum_charlie(float p, float e) {
   return e < 1.0 ? (1.0 + p) / MULTUM_PI * pow(max(e * (2.0 - e), 0.0), p) : 0.0;
 }

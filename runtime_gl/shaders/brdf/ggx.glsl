@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // GGX as in glTF 2.0 (appendix B; Walter et al. 2007) for one normal, after cook_torrance.glsl, which has Schlick's
-// term:
-// alpha = roughness^2. ggx_lobe.glsl has GGX over lobes.
+// term: alpha = roughness^2. ggx_lobe.glsl has GGX over lobes.
 
 // D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t. 1 - t^2 = e (2 - e) avoids cancellation near t = 1.
 float multum_ggx(float alpha, float e) {
@@ -23,7 +22,7 @@ float multum_smith_visibility(float alpha, float n_l, float n_v) {
 #ifdef MULTUM_GGX
 uniform float u_alpha;
 #ifdef MULTUM_ROUGHNESS_TEXTURE
-float multum_alpha;  // at the shaded place; surface/roughness_texture.glsl sets it before shading
+float multum_alpha;  // alpha at the shaded place; surface/roughness_texture.glsl sets it before shading
 #else
 #define multum_alpha u_alpha
 #endif

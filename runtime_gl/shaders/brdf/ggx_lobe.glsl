@@ -4,11 +4,11 @@
 //
 //     specular = multum_movmf_ggx_specular(ggx_lobe_table, lobe, l, v, h, alpha);
 //
-// For many lights, multum_ggx_lobe_facets() computes once what depends only on the lobe, and multum_ggx_lobe_specular()
-// the rest.
+// For many lights, compute the lobe's own part once with multum_ggx_lobe_facets(), and the rest for each light with
+// multum_ggx_lobe_specular().
 //
-// Over all roughnesses and lobes its error is at most 4.5 % of the exact convolution, relative L1 over the sphere of h
-// (tests/gl/ggx_lobe_test).
+// Over all roughnesses and lobes, its relative L1 error against the exact convolution, over the sphere of h, is at most
+// 4.5 % (tests/gl/ggx_lobe_test).
 
 // Returns P / pi, B, delta and -gamma. Coordinates address texel centres: 31 / 32, and 31 / 32 over sqrt(3).
 vec4 multum_ggx_lobe_shape(sampler2D table, float alpha, float d) {
@@ -32,11 +32,11 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
   return multum_ggx_lobe_curve(vec4(shape.x * scale, shape.y * scale, shape.z, shape.w), alpha, d, e);
 }
 
-// Returns the concentration of GGX's facets about h at the lobe's reflecting normals, which is the facets' kappa in the
-// highlight's cosine. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
+// Returns the concentration of GGX's facets about h at the lobe's reflecting normals. The highlight's cosine uses it as
+// the facets' kappa. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
 // at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus their scatter
-// about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value; e = 1 -
-// mu.h.
+// about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value;
+// e = 1 - mu.h.
 float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   float x = alpha * alpha;
   float facets = 2.0 / x;

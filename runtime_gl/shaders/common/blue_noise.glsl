@@ -5,11 +5,10 @@
 const float MULTUM_BLUE_NOISE_FRAMES = 1024.0;  // frames with different numbers
 
 // Returns three numbers from 0 to 1: the first selects the lobe, the others are for multum_movmf_drawn_normal().
-// `noise`:
-// RGBA8, 64 x 64, host/formats/sampling/blue_noise.h, with any sampler, because texels are read at their centres.
-// `pixel`: its place in the picture, in pixels; `frame` counts from 0. Frames shift the texel's values (Cranley and
-// Patterson's rotation), the first by the golden ratio, the others along Roberts' R2 sequence. Products of larger frame
-// numbers would lose their fractions.
+// `noise`: RGBA8, 64 x 64, host/formats/sampling/blue_noise.h, with any sampler, because texels are read at their
+// centres. `pixel`: its place in the picture, in pixels; `frame` counts from 0. Frames shift the texel's values
+// (Cranley and Patterson's rotation), the first by the golden ratio, the others along Roberts' R2 sequence. Products of
+// larger frame numbers would lose their fractions.
 vec3 multum_blue_noise(sampler2D noise, vec2 pixel, float frame) {
   float count = frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES);
   vec3 shift = count * vec3(0.61803399, 0.75487767, 0.56984029);

@@ -20,8 +20,8 @@ float multum_gmm_variance(vec4 lobe) {
   return max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0);
 }
 
-// Returns sigma^2, about the lobe's mean, of facets with the distribution of normalised Blinn-Phong of exponent s: 1/(s
-// + 3) about an upright normal, foreshortened in one of two directions about a tilted normal.
+// Returns sigma^2, about the lobe's mean, of facets with the distribution of normalised Blinn-Phong of exponent s:
+// 1/(s + 3) about an upright normal, foreshortened in one of two directions about a tilted normal.
 float multum_gmm_facet_variance(vec4 lobe, float s) {
   vec2 mean = multum_gmm_mean(lobe);
   return (1.0 - 0.5 * min(dot(mean, mean), 1.0)) / (s + 3.0);
@@ -42,8 +42,8 @@ float multum_gmm_lambert(vec4 lobe, vec3 l) {
   return lobe.w * max(dot(multum_gmm_lifted(multum_gmm_mean(lobe)), l), 0.0);
 }
 
-// Returns the Gaussian of a mean normal (a n, a), for levels that a file leaves to the normal map. E[x^2 + y^2] = 1 -
-// E[z^2] is approximated by 1 minus the square of the mean.
+// Returns the Gaussian of a mean normal (a n, a), for levels that a file leaves to the normal map.
+// E[x^2 + y^2] = 1 - E[z^2] is approximated by 1 minus the square of the mean.
 vec4 multum_gmm_normal_map(vec4 mean) {
   return vec4(mean.xy, mean.w - mean.z * mean.z / max(mean.w, MULTUM_AMPLITUDE_MIN), mean.w);
 }

@@ -15,9 +15,8 @@
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, times the amplitude. A lobe of amplitude 0 (no material, or a lobe that does not occur here) returns
-// 0.
-// The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over f(n . h)
-// vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
+// 0. The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over
+// f(n . h) vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
 
 const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller: no lobe; 1/32767, the least stored amplitude, is 30 times this
@@ -40,9 +39,9 @@ float multum_one_minus_cosine(vec3 mu, vec3 w) {
   return 0.5 * dot(difference, difference);
 }
 
-// Returns kappa for q = 1 - A, where A = coth kappa - 1/kappa is the mean cosine of a vMF. Uses Banerjee's kappa = A (3
-// - A^2) / (1 - A^2), with its factor 3 - A^2 refined by a polynomial that keeps both ends exact. Relative error at
-// most 2.3e-4, no branch, no iteration. 1 - A^2 = q (2 - q).
+// Returns kappa for q = 1 - A, where A = coth kappa - 1/kappa is the mean cosine of a vMF. Uses Banerjee's formula
+// kappa = A (3 - A^2) / (1 - A^2), with its factor 3 - A^2 refined by a polynomial that keeps both ends exact. Relative
+// error at most 2.3e-4, no branch, no iteration. 1 - A^2 = q (2 - q).
 float multum_vmf_kappa(float q) {
   float mean_cosine = 1.0 - q;
   float x = mean_cosine * mean_cosine;
@@ -50,8 +49,8 @@ float multum_vmf_kappa(float q) {
   return mean_cosine * (3.0 - x + x * (1.0 - x) * p) / max(q * (2.0 - q), 1e-12);
 }
 
-// Returns the vMF density kappa / (4 pi sinh kappa) exp(kappa t) in a form that neither overflows nor divides 0 by 0; e
-// = 1 - t. Near 0, exp(-2 kappa) is 1 - 2 kappa + ..., so the quotient is 1/2 there.
+// Returns the vMF density kappa / (4 pi sinh kappa) exp(kappa t) in a form that neither overflows nor divides 0 by 0;
+// e = 1 - t. Near 0, exp(-2 kappa) is 1 - 2 kappa + ..., so the quotient is 1/2 there.
 float multum_vmf_density(float kappa, float e) {
   float scale = kappa > 1e-3 ? kappa / (1.0 - exp(-2.0 * kappa)) : 0.5 * (1.0 + kappa);
   return scale / (2.0 * MULTUM_PI) * exp(-kappa * e);
@@ -64,8 +63,8 @@ float multum_vmf_spread(float kappa) {
 }
 
 // Returns the lobe without a BRDF's width, for diffuse light, which does not depend on roughness. If lobes contain a
-// BRDF's width (multum:roughness), they are shorter than the lobes of the normals. Only the mean of that factor over
-// the map is known (multum:meanCosine).
+// BRDF's width (multum:roughness), this width has shortened them by a factor, which is known only as its mean over the
+// map (multum:meanCosine).
 vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
   return vec4(lobe.xyz * min(1.0 / mean_cosine, lobe.w / max(length(lobe.xyz), 1e-12)), lobe.w);
 }
@@ -151,8 +150,8 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
 //
 // `lod` is the level of detail of the lobe maps before clamping: 0 at L, -1 at L - 1. From L on the normal map's share
 // is 0, up to L - 1 it is 1, and between them it mixes linearly, as trilinear filtering would. Everything above is
-// linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of detail must stop at L -
-// 1 (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour comes from the
-// albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side. multum_movmf_magnified() needs the
-// longer side: the larger of dFdx and dFdy of uv times the map's size.
+// linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of detail must stop at
+// L - 1 (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour comes from
+// the albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side. multum_movmf_magnified() needs
+// the longer side: the larger of dFdx and dFdy of uv times the map's size.
 float multum_normal_map_share(float lod) { return clamp(-lod, 0.0, 1.0); }

@@ -65,8 +65,8 @@ mat3 multum_sh_second_moments(vec4 parts[MULTUM_SH_PARTS]) {
 #endif
 }
 
-// Returns max(n . l, 0), integrated over the normals: a_l = pi, 2 pi/3, pi/4, 0, -pi/24, 0, ..., a_l = a_l-2 (3 - l)/(l
-// + 2).
+// Returns max(n . l, 0), integrated over the normals: a_l = pi, 2 pi/3, pi/4, 0, -pi/24, 0, ...,
+// a_l = a_l-2 (3 - l)/(l + 2).
 float multum_sh_lambert(vec4 parts[MULTUM_SH_PARTS], float share, vec3 light) {
   float bands[MULTUM_SH_ORDER + 1];
   multum_sh_bands(parts, share, light, bands);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks up mip-mapped textures over the area that a pixel covers, in the same way on every driver. Takes N trilinear
-// lookups ("taps") along the longer of the two lengths by which a pixel's coordinates grow, at the level of the shorter
-// length, similar to the example of GL_EXT_texture_filter_anisotropic. Textures of lobes, moments and harmonics are
-// linear in the normals, so the mean of taps equals the result of a wider filter.
+// Looks up mip-mapped textures over the area that a pixel covers, in the same way on every driver. Texture coordinates
+// grow by two lengths across a pixel, along its row and its column. Takes N trilinear lookups ("taps") along the longer
+// length, at the level of the shorter length, similar to the example of GL_EXT_texture_filter_anisotropic. Textures of
+// lobes, moments and harmonics are linear in the normals, so the mean of taps equals the result of a wider filter.
 //
 //   longer, shorter   of |d(s, t)/dx| and |d(s, t)/dy|, in texels of level 0
 //   N                 ceil(longer / shorter), at most MULTUM_TAPS
@@ -10,11 +10,11 @@
 //   level             u_level_bias + log2(longer) of one tap, max(log2(shorter), log2(longer / N) - 0.75) of several
 //
 // With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. The extension's example differs in two ways.
-// It uses the level of longer / N, which for ratios just above a whole number is up to an octave finer than the shorter
-// length and sparkles across it; and its taps are 1 / (N + 1) apart. A trilinear lookup reaches twice the width of its
-// level's texel, so neighbouring taps overlap, and a finer level is enough along the axis. Of 0, 0.5, 0.75 and 1
-// octave, 0.75 had the lowest error against references of six real maps (2 taps, bias -0.25: 8.5 %; the example has 9.9
-// %).
+// It uses the level of longer / N. For ratios just above a whole number, this level is up to an octave finer than the
+// shorter length, and the picture sparkles across it. And its taps are 1 / (N + 1) apart. A trilinear lookup reaches
+// twice the width of its level's texel, so neighbouring taps overlap, and a finer level is enough along the axis. Of 0,
+// 0.5, 0.75 and 1 octave, 0.75 had the lowest error against references of six real maps (2 taps, bias -0.25: 8.5 %; the
+// example has 9.9 %).
 // u_level_bias < 0 sharpens: at -0.79 one tap on a square footprint has the variance of the pixel's own box
 // (docs/evidence/WILLIAMS.md, "The factor").
 //

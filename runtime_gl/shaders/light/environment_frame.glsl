@@ -3,7 +3,7 @@
 uniform vec3 u_environment_axes[3];  // the environment's x, y and z in the world
 uniform sampler2D u_environment_map;
 
-mat3 multum_environment_frame;  // from tangent space to the environment's frame; set by main()
+mat3 multum_environment_frame;  // rotation from tangent space to the environment's frame; set by main()
 
 void multum_set_environment_frame(mat3 to_world) {
   multum_environment_frame =

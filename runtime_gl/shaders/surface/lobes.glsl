@@ -205,7 +205,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     vec2 corner = vec2(k & 1, (k >> 1) & 1);
     vec2 weights = mix(1.0 - fract(place), fract(place), corner);
     float weight = weights.x * weights.y * (k < 4 ? 1.0 - fract(lod) : fract(lod));
-    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // where the filter mixes nothing
+    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // the texel's middle, where the filter mixes nothing
     MULTUM_EACH_LOBE(j) {
       vec4 lobe = textureLod(u_lobes[j], middle, float(level));
 #ifdef MULTUM_COLOURS
@@ -265,13 +265,13 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     MULTUM_EACH_LOBE(j) surface.lobes[j] *= 1.0 - map_share;
   }
 #ifdef MULTUM_BASIS
-  finest *= mean_weight;  // of the first stored level
+  finest *= mean_weight;  // weight of the first stored level
 #endif
   surface.lobes[MULTUM_LOBE_COUNT] = finest;
 #if defined(MULTUM_ALBEDO_MAP)
   surface.albedos[MULTUM_LOBE_COUNT] = multum_filtered(u_albedo_map, st, on_map).rgb;
 #elif defined(MULTUM_COLOURS)
-  surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest known colour
+  surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // colour of the first stored level, the finest known
 #endif
 #endif
 #ifdef MULTUM_DRAWN_LOBE

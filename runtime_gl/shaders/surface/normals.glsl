@@ -8,9 +8,9 @@
 // MULTUM_ROUGHNESS: lengths of normals are a BRDF's width; REFERENCE uses each normal's own width.
 // MULTUM_ROUGHNESS_MAP (not REFERENCE): unit normals; the width comes from a roughness map, averaged plainly as in an
 // engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the map has colours. MULTUM_NORMAL_MAP:
-// levels finer than the stored ones come from the normal map, which has no moments of slopes, by Toksvig's rule; they
-// are shaded before mixing. MULTUM_ALBEDO_MAP: their colours come from the albedo map. MIP, TOKSVIG and LEAN read a
-// baked file of moments, or mips of the finest map, which are the same.
+// levels finer than the stored ones come from the normal map. It has no moments of slopes, so these levels are shaded
+// by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come from the albedo map. MIP, TOKSVIG and LEAN
+// read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // REFERENCE: unit; others: averaged normal, w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
@@ -118,7 +118,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_normals, 0), textureSize(u_normal_map, 0));
   surface.finest.xyz = multum_normal_map_lobe(u_normal_map, st, on_map).xyz;
   surface.finest.w = multum_normal_map_share(footprint.level);
-  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest known colour
+  surface.finest_albedo = surface.albedo;  // colour of the first stored level, the finest known
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif
@@ -142,8 +142,8 @@ float multum_exponent(MultumSurface surface) {
 #endif
 }
 
-// Returns the exponent s for which 1 / s is the variance of the material's slopes: for a roughness, Beckmann's alpha^2
-// / 2.
+// Returns the exponent s for which 1 / s is the variance of the material's slopes: for a roughness, Beckmann's
+// alpha^2 / 2.
 float multum_slope_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   return multum_exponent(surface) + 2.0;
@@ -153,8 +153,8 @@ float multum_slope_exponent(MultumSurface surface) {
 }
 
 #ifdef MULTUM_TURNED
-// Returns a mean normal whose normals also turn with the geometry: a vMF of variance v / 2 along each axis has 1 - |r|
-// = v / 2.
+// Returns a mean normal whose normals also turn with the geometry: a vMF of variance v / 2 along each axis has
+// 1 - |r| = v / 2.
 vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
 
 // Returns the moments of slopes with that variance added along each axis.

@@ -14,7 +14,7 @@ uniform sampler2DArray u_harmonics;
 uniform sampler2D u_colours;
 #endif
 #ifdef MULTUM_ROUGHNESS
-uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // of max(n . l, 0), divided by the mean roughness
+uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // coefficients of max(n . l, 0), divided by the mean roughness
 #endif
 #ifdef MULTUM_BASIS
 uniform sampler2D u_weights;
@@ -28,7 +28,7 @@ uniform sampler2D u_albedo_map;
 
 struct MultumSurface {
   vec4 parts[MULTUM_SH_PARTS];
-  float share;  // of the stored levels, whose coefficients do not include it
+  float share;  // share of the stored levels, whose coefficients do not include it
   float material;  // includes the weight; 0 beyond a black border
   vec3 albedo;
 #ifdef MULTUM_NORMAL_MAP
@@ -64,7 +64,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   float map_share = multum_normal_map_share(footprint.level);
   surface.finest = map_share * multum_normal_map_lobe(u_normal_map, st, on_map);
   surface.share -= map_share;
-  surface.finest_albedo = surface.albedo;  // of the first stored level, the finest known colour
+  surface.finest_albedo = surface.albedo;  // colour of the first stored level, the finest known
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;
 #endif

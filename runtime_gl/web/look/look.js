@@ -136,7 +136,7 @@ class LookPage {
 
   checkFits(file, means) {
     const [found, map] = [`${file.lobes.mapWidth} x ${file.lobes.mapHeight}`, `${means[0].width} x ${means[0].height}`];
-    if (found !== map) throw new Error(`found lobes of a map of ${found}, expected ${map}, as the normal map has`);
+    if (found !== map) throw new Error(`found lobes of a map of ${found}, expected ${map}, the size of the normal map`);
   }
 
   setLobes(file) {
@@ -372,8 +372,8 @@ class LookPage {
       byId("measure").disabled = false;
     }
     if (found === null || this.drawn !== drawn) return;
-    byId("error").textContent = `Error of the radiance, relative L1, beside ${PLACES_ACROSS ** 2} samples a pixel of ` +
-      `the map itself: ${this.nameOf(left)} ${percent(found.errors[0])}, ${this.nameOf(right)} ` +
+    byId("error").textContent = `Relative L1 error of the radiance, against ${PLACES_ACROSS ** 2} samples per pixel ` +
+      `of the map itself: ${this.nameOf(left)} ${percent(found.errors[0])}, ${this.nameOf(right)} ` +
       `${percent(found.errors[1])}; the samples' own noise is about ${percent(found.noise)}.`;
   }
 
@@ -406,13 +406,13 @@ class LookPage {
     const count = this.file.lobes.lobes.length;
     const methods = [...new Set([view.left, view.right])];
     const time = this.frameMs === undefined ? "is being timed" : this.isTimed
-      ? `takes ${this.frameMs.toFixed(1)} ms` : "is not timed while this page is in the background";
+      ? `takes ${this.frameMs.toFixed(1)} ms from the first command until the GPU is done`
+      : "is not timed while this page is in the background";
     byId("facts").replaceChildren(...[
       `Map of ${means[0].width} x ${means[0].height}, ${count} ${count === 1 ? "lobe" : "lobes"}.`,
       `Memory on the GPU, all mip levels, as engines keep them: ${methods.map((method) =>
         this.factsOf(method)).join("; ")}.`,
-      `Time: a frame here, both methods drawn in all ${size[0]} x ${size[1]} pixels, ${time}, from the first ` +
-        "command until the GPU is done.",
+      `Time: one frame here, with both methods drawn in all ${size[0]} x ${size[1]} pixels, ${time}.`,
     ].map((text) => Object.assign(document.createElement("li"), { textContent: text })));
   }
 }

@@ -25,8 +25,8 @@ function decodeInWorker(source, bytes, progress) {
   const worker = new Worker(url);
   let timer;
   return new Promise((resolve, reject) => {
-    timer = setTimeout(() => reject(new Error(`is not decoded after ${DECODING_MS_MAX / 1000} s`)), DECODING_MS_MAX);
-    worker.onerror = (event) => reject(new Error(errorText(event, "its worker broke down")));
+    timer = setTimeout(() => reject(new Error(`is not decoded within ${DECODING_MS_MAX / 1000} s`)), DECODING_MS_MAX);
+    worker.onerror = (event) => reject(new Error(errorText(event, "its decoding worker failed")));
     worker.onmessage = ({ data }) => {
       if (data.error !== undefined) reject(new Error(data.error));
       else if (data.decoded !== undefined) resolve(data.decoded);
@@ -66,8 +66,8 @@ function matchingNormals(image, level, means, isStrict) {
   const averaged = meanNormals(image.width, image.height, normals)[level];
   const [up, down] = [1, -1].map((sign) => normalsApart(averaged, means, sign));
   if (isStrict && Math.min(up, down) > NORMALS_APART_MAX)
-    throw new Error(`found normals that are ${Math.min(up, down).toFixed(2)} from those of the lobes in the mean, ` +
-      `expected the map that they were baked from (at most ${NORMALS_APART_MAX})`);
+    throw new Error(`found normals that differ by ${Math.min(up, down).toFixed(2)} from those of the lobes, expected ` +
+      `the map that the lobes were baked from (a difference of at most ${NORMALS_APART_MAX})`);
   if (down < up) for (let i = 1; i < normals.length; i += 2) normals[i] = -normals[i];
   return normals;
 }
@@ -140,7 +140,7 @@ class Drops {
       say(`${file.name}: ${errorText(error)}`);
     }
     reading.textContent = this.unfinished === null ? ""
-      : `${this.unfinished.title} leaves level 0 to its normal map: drop that too.`;
+      : `${this.unfinished.title} leaves level 0 to its normal map: drop that map too.`;
     this.page.change({});
   }
 
@@ -173,7 +173,7 @@ class Drops {
     const { page, unfinished } = this;
     const { width, height } = unfinished ?? page.means[0];
     if (image.width !== width || image.height !== height)
-      throw new Error(`found ${image.width} x ${image.height}, expected ${width} x ${height}, as the lobes have`);
+      throw new Error(`found ${image.width} x ${image.height}, expected ${width} x ${height}, the lobes' size`);
     if (unfinished !== null) {
       const { file, means } = unfinished;
       page.install({ ...unfinished, normals: matchingNormals(image, file.lobes.firstLevel, means, true) });

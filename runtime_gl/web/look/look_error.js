@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the error of methods against the map itself: its finest level, drawn at many places of each pixel.
-const PLACES_ACROSS = 12; // of a pixel; the same number upwards
+const PLACES_ACROSS = 12; // places across a pixel; the same number upwards
 
 /** Returns the scene shifted to another place of each pixel: `x` and `y` from -1/2 to 1/2 pixel. */
 function movedWithinPixel(scene, [width, height], x, y) {

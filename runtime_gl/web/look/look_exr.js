@@ -12,7 +12,7 @@ const EXR_MULTI_PART = 0x1000, EXR_TILED = 0x200;
 const EXR_PARTS_MAX = 32, EXR_ATTRIBUTES_MAX = 100, EXR_NAME_MAX = 255;
 const EXR_SIDE_MAX = 2048; // same limit as multum look: the page holds a whole map
 const EXR_TILE_MAX = 1024;
-const EXR_VALUE_MAX = 1.01; // of lobes and normals, which are at most 1 before rounding
+const EXR_VALUE_MAX = 1.01; // limit for values of lobes and normals, which are at most 1 before rounding
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
 const EXR_HALF = 1, EXR_FLOAT = 2;
 const PLAIN_UNPACKING = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 1, 1, 0, 0, 0, 0]; // channels x, y, a - z, a
@@ -52,7 +52,7 @@ function exrHeader(cursor) {
   for (let name = cursor.text(); name !== ""; name = cursor.text()) {
     const type = cursor.text(), size = cursor.word();
     if (size < 0 || attributes.size >= EXR_ATTRIBUTES_MAX || attributes.has(name))
-      exrRefuse(`attribute ${name} twice, too many or of a size below 0`, "a header of multum bake");
+      exrRefuse(`attribute ${name} twice, too many attributes or a negative size`, "a header of multum bake");
     const from = cursor.take(size);
     attributes.set(name, { type, bytes: cursor.bytes.subarray(from, from + size) });
   }
@@ -84,7 +84,7 @@ function exrChannels(attributes) {
     const [type, , ...sampling] = [0, 1, 2, 3].map(() => cursor.word());
     if ((type !== EXR_HALF && type !== EXR_FLOAT) || sampling.some((one) => one !== 1) || channels.length >= 16)
       exrRefuse(`channel ${name} of type ${type}, every ${sampling.join(" and ")} texels`,
-        "halfs or floats, everywhere");
+        "halfs or floats for every texel");
     channels.push({ name, type, bytes: 2 * type });
   }
   return channels;
@@ -105,7 +105,7 @@ function exrPart(attributes, width, height, levelCount) {
   if (tileWidth < 1 || tileHeight < 1 || tileWidth > EXR_TILE_MAX || tileHeight > EXR_TILE_MAX)
     exrRefuse(`tiles of ${tileWidth} x ${tileHeight}`, `sides to ${EXR_TILE_MAX}`);
   if (mode !== (levelCount === 1 ? 0 : 1) && !(mode === 1 && width === 1 && height === 1))
-    exrRefuse(`level mode ${mode}`, "mip-maps rounded down, and one level of the finest");
+    exrRefuse(`level mode ${mode}`, "mip-maps rounded down, and one level for the finest");
   const levels = Array.from({ length: levelCount }, (_, level) => {
     const [w, h] = [exrSide(width, level), exrSide(height, level)];
     return { width: w, height: h, across: Math.ceil(w / tileWidth), down: Math.ceil(h / tileHeight) };
@@ -138,7 +138,7 @@ function exrPlan(bytes) {
   if (width < 1 || height < 1 || width > EXR_SIDE_MAX || height > EXR_SIDE_MAX)
     exrRefuse(`a map of ${width} x ${height}`, `sides of 1 to ${EXR_SIDE_MAX}`);
   const levelCount = exrLevels(width, height);
-  if (levelCount < 2) exrRefuse("a map of one texel", "one with levels beyond the finest");
+  if (levelCount < 2) exrRefuse("a map of one texel", "a map with more than one level");
   if (firstLevel < 0 || firstLevel >= levelCount) exrRefuse(`first level ${firstLevel}`, `0 to ${levelCount - 1}`);
   if (lobeCount < 1 || lobeCount > 8) exrRefuse(`${lobeCount} lobes`, "1 to 8");
   const lobesFrom = Math.max(firstLevel, 1), parts = new Map();
@@ -162,7 +162,7 @@ async function exrInflated(bytes, size) {
   const stream = new DecompressionStream("deflate");
   const writer = stream.writable.getWriter(), reader = stream.readable.getReader();
   Promise.allSettled([writer.write(bytes), writer.close()]); // the reader also throws these failures
-  const read = () => reader.read().catch(() => exrRefuse("a tile that is no whole stream of zlib", "one"));
+  const read = () => reader.read().catch(() => exrRefuse("a tile that is not a complete zlib stream", "one"));
   const out = new Uint8Array(size);
   let at = 0;
   for (let one = await read(); !one.done; one = await read()) {
@@ -184,7 +184,7 @@ function exrUnrolled(bytes, size) {
   for (let i = 0; i < bytes.length;) {
     const count = (bytes[i++] << 24) >> 24, length = count < 0 ? -count : count + 1;
     if (length > size - at || (count < 0 ? length > bytes.length - i : i >= bytes.length))
-      exrRefuse(`runs of more than ${size} bytes, or cut`, "a tile of RLE");
+      exrRefuse(`run lengths of more than ${size} bytes, or cut off`, "a tile of RLE");
     if (count < 0) out.set(bytes.subarray(i, i + length), at);
     else out.fill(bytes[i], at, at + length);
     i += count < 0 ? length : 1;
@@ -240,10 +240,10 @@ async function exrLevel(bytes, part, level, wanted, tick) {
       const head = part.isMultiPart ? [part.number, x, y, level, level] : [x, y, level, level];
       const dataAt = place + 4 * head.length + 4;
       if (place < part.tableAt || dataAt > bytes.length)
-        exrRefuse(`no place of tile ${x}, ${y} of level ${level} of ${part.name}`, "a file that was written whole");
+        exrRefuse(`no offset of tile ${x}, ${y} of level ${level} of ${part.name}`, "a completely written file");
       head.forEach((one, i) => {
         if (file.getInt32(place + 4 * i, true) !== one)
-          exrRefuse(`another tile in the place of ${x}, ${y} of level ${level} of ${part.name}`, "it there");
+          exrRefuse(`another tile at the offset of ${x}, ${y} of level ${level} of ${part.name}`, "it there");
       });
       const size = file.getInt32(dataAt - 4, true);
       if (size < 0 || size > bytes.length - dataAt)

@@ -23,7 +23,7 @@ vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
 // draws polygons from behind the eye to the horizon with an error of up to half a pixel.
 const LOOK_MAIN = `
 uniform vec3 u_eye;
-uniform mat3 u_rays;  // from a pixel's place across and up (-1 to 1) and 1
+uniform mat3 u_rays;  // matrix from a pixel's place (across, up: -1 to 1) and 1 to its ray
 uniform vec2 u_size;  // in pixels
 layout(location = 0) out vec4 o_colour;
 void main() {
@@ -112,7 +112,7 @@ class LookGl {
       { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
     if (gl === null) throw new Error("this browser has no WebGL 2, or it is switched off");
     if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
-      throw new Error("this WebGL 2 draws no half floats (EXT_color_buffer_half_float)");
+      throw new Error("this WebGL 2 cannot draw half floats (EXT_color_buffer_half_float)");
     this.gl = gl;
     this.rgtc = gl.getExtension("EXT_texture_compression_rgtc");
     this.shaders = shaders;
@@ -194,7 +194,7 @@ class LookGl {
     upload();
     const error = gl.getError();
     if (error !== gl.NO_ERROR && !gl.isContextLost())
-      throw new Error(`a texture of ${width} x ${height} was refused (GL error ${error})`);
+      throw new Error(`cannot create a texture of ${width} x ${height} (GL error ${error})`);
     return texture;
   }
 

@@ -29,7 +29,7 @@ class ModelGlb extends Glb {
     const given = attributes.NORMAL === undefined ? null : this.values(attributes.NORMAL, "VEC3", false);
     const indices = primitive.indices === undefined ? null : this.values(primitive.indices, "SCALAR", true);
     if (given !== null && given.length !== this.values(attributes.POSITION, "VEC3", false).length)
-      this.refuse("has another number of normals than of positions");
+      this.refuse("has different numbers of normals and positions");
     for (let i = 0; i < count; ++i) {
       const index = indices === null ? i : indices[i];
       const flat = given === null ? flatNormal(object.positions, before + i - (i % 3)) : null;

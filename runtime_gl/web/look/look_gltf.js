@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joins a dropped JSON glTF and the files that it names to one binary glTF for look_glb.js: buffers one after another,
 // and the image of the first normal map. The constants are those of glb.js.
-const GLTF_BYTES_MAX = 256e6; // of all files together
+const GLTF_BYTES_MAX = 256e6; // limit for all files together
 
 /** Returns the file name of a uri; a uri with an invalid encoding is not decoded. */
 function nameOfUri(uri) {
@@ -39,7 +39,8 @@ async function bytesOfUri(uri, files) {
     return bytes;
   }
   const file = files.get(nameOfUri(uri));
-  if (file === undefined) throw new Error(`names ${nameOfUri(uri)}, which was not dropped with it: drop all together`);
+  if (file === undefined)
+    throw new Error(`names ${nameOfUri(uri)}, which was not dropped with it: drop all files together`);
   return bytesOfFile(file);
 }
 

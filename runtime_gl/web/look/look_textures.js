@@ -58,7 +58,7 @@ function parseLobes(bytes) {
     throw new Error("found no key multumLobes, expected a KTX2 of multum export --lobes");
   const lobes = JSON.parse(texture.keys.multumLobes);
   if (lobes.meanCosine !== undefined)
-    throw new Error("found roughness in the lobes, expected lobes of normals alone, of a bake without --roughness");
+    throw new Error("found roughness in the lobes, expected lobes of normals only, of a bake without --roughness");
   const numbers = lobes.lobes?.flatMap?.((one) => [...one.columns.flat(), ...one.offset]) ?? [];
   const whole = (value, low, high) => Number.isInteger(value) && value >= low && value <= high;
   if (lobes.version !== 1 || !whole(lobes.lobes?.length, 1, 8) || numbers.length !== 20 * lobes.lobes.length ||
@@ -67,7 +67,7 @@ function parseLobes(bytes) {
       texture.layers !== lobes.layersPerLobe * lobes.lobes.length ||
       texture.width !== levelSize(lobes.mapWidth, lobes.firstLevel) ||
       texture.height !== levelSize(lobes.mapHeight, lobes.firstLevel))
-    throw new Error("found numbers of multumLobes that are not the texture's, expected those of the export");
+    throw new Error("found numbers of multumLobes that do not fit the texture, expected those of the export");
   return { ...texture, lobes, unpacking: new Float32Array(numbers) };
 }
 

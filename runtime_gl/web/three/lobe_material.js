@@ -11,7 +11,7 @@ const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"]
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
 // Least spread of a pixel's normals, two levels finer, for which evaluations go to lobes: README.md, "Evaluations".
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
-const states = new WeakMap(); // of changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
+const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
 
 const wrapCode = (wrapping) => ({ [ClampToEdgeWrapping]: 1, [MirroredRepeatWrapping]: 2 })[wrapping] ?? 0;
 
@@ -35,7 +35,7 @@ function checkMaterial(material) {
     refuse(material, `normalScale ${x}, ${y}`,
       "1 or -1: another scale is baked into lobes (multum bake --normal-scale)");
   for (const name of REFUSED)
-    if (material[name] > 0) refuse(material, `${name} ${material[name]}`, "0: lobes do not know it");
+    if (material[name] > 0) refuse(material, `${name} ${material[name]}`, "0: lobes do not support it");
 }
 
 function checkNumbers(numbers) {

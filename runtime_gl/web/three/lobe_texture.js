@@ -103,7 +103,7 @@ function checkSides({ pixelWidth, pixelHeight, layerCount }, facts, refuse) {
 function factsOf(container, refuse) {
   const facts = jsonOf(container, "multumLobes", refuse);
   if (facts.meanCosine !== undefined)
-    refuse("roughness in the lobes (meanCosine)", "lobes of normals alone, of a bake without --roughness");
+    refuse("roughness in the lobes (meanCosine)", "lobes of normals only, of a bake without --roughness");
   const isVector = (one) => Array.isArray(one) && one.length === 4 && one.every(Number.isFinite);
   const isLobe = (one) => Array.isArray(one?.columns) && one.columns.length === 4 && one.columns.every(isVector) &&
     isVector(one.offset);

@@ -35,7 +35,7 @@ const each = (call) => MOVED.split(" ").map((name) => `#ifdef ${name}\n  ${call(
 const MOVE = `
 void multum_derive() {
 ${each((name) => `multum_derive_${name}()`)}}
-void multum_move(vec2 by) {  // from the pixel's middle, in pixels
+void multum_move(vec2 by) {  // offset from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
 // Maps without lobes.
