@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds figures of generated pages that other pages repeat: when the page is generated again, the copy is wrong.
+"""Finds figures of generated pages that other pages repeat: the copy is wrong when the page is generated again.
 
     tools/check_copies.py [--root DIR]     # exit code 1, and a line for each copy
 
-A copy is a row of a table, or a triple "10.5 / 7.2 / 7.1", whose numbers are neighbours in one line of a generated
-page: at least three of them, none a whole number, to the decimals that the copy has. Link to the page instead, or put
-a mark into the page: tools/lab/readme_figures fills in figures between marks.
+A copy is a table row, or a triple "10.5 / 7.2 / 7.1", whose numbers are neighbours in one line of a generated page. It
+has at least three numbers, none of them whole; numbers are compared with the decimals that the copy has. Link to the
+page instead, or put a mark into the page: tools/lab/readme_figures fills in figures between marks.
 """
 import argparse
 import pathlib
@@ -19,25 +19,25 @@ MARKED = re.compile(r"<!-- figures: (\w+) -->.*?<!-- /figures: \1 -->", re.DOTAL
 NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.]*\d)")
 TRIPLE = re.compile(r"\d+\.\d+(?: / \d+\.\d+){2,}")
 LEAST = 3  # numbers in one order by chance: figures of one decimal below 100 are 1000, lines with such some thousands
-# Says what was, not what is.
+# Pages that describe past versions.
 HISTORY = ("docs/reference/changelog.md",)
 
 
 def runs_of(line):
-    """What a line has side by side: the numbers of a table's row, or of each triple."""
+    """Returns the neighbouring numbers of a line: of its table row, or of each triple."""
     if line.startswith("|"):
         return [NUMBER.findall(line)]
     return [NUMBER.findall(found) for found in TRIPLE.findall(line)]
 
 
 class Figures:
-    """Numbers of a generated page, line by line."""
+    """Returns the numbers of a generated page, line by line."""
     def __init__(self, text):
         self.lines = [NUMBER.findall(line) for line in text.splitlines()]
         self.rounded = {}  # by decimals of a copy: all that stands side by side
 
     def have(self, copy):
-        """Do its numbers stand side by side, with as many decimals or more?"""
+        """Returns whether the numbers are neighbours in a generated line that has as many decimals or more."""
         decimals = tuple(len(one.partition(".")[2]) for one in copy)
         if decimals not in self.rounded:
             self.rounded[decimals] = {tuple(f"{float(line[at + i]):.{d}f}" for i, d in enumerate(decimals))
@@ -53,7 +53,7 @@ def pages(root):
         if GENERATED.search(text[:2000]):
             generated[name] = Figures(text)
         elif name not in HISTORY:
-            # As many lines as before.
+            # Replaces each mark by as many line breaks, so that line numbers stay.
             written[name] = MARKED.sub(lambda mark: "\n" * mark.group().count("\n"), text)
     return generated, written
 
@@ -64,7 +64,7 @@ def copies(root):
     for name, text in written.items():
         for number, line in enumerate(text.splitlines(), start=1):
             for run in runs_of(line):
-                # Any LEAST of them side by side.
+                # Any LEAST neighbours of the run.
                 for at in range(len(run) - LEAST + 1):
                     part = run[at:at + LEAST]
                     if len(set(part)) < LEAST:

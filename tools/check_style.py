@@ -17,14 +17,15 @@ HERE = pathlib.Path(__file__).resolve().parent
 LINE_LENGTH_MAX = 120
 COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
            ".cmake": "#", ".txt": "#", "": "#", ".js": "//", ".mjs": "//", ".css": "/*"}
-# A source that no build names is dead; kernels are globbed, headers live by their includes.
+# Every source with these endings must be named by a build file, or it is dead. Kernels are globbed; headers are
+# included.
 BUILT = {".cpp", ".cl", ".glsl", ".vert", ".frag"}
 SOURCE_FOLDERS = ("kernels", "host", "runtime_gl", "tools", "tests")
 SKIPPED = ("build", "out", ".git", "__pycache__", "node_modules")
 
 
 def project_files(root):
-    """Files that the rules are for: sources, scripts and CMake files, wherever they lie."""
+    """Yields the files that the rules apply to: sources, scripts and CMake files in every folder."""
     found = []
     for folder, folders, names in os.walk(root):
         folders[:] = [f for f in folders if f not in SKIPPED]
@@ -48,7 +49,8 @@ def check_text(file, text):
 
 
 def has_header_comment(file, lines):
-    """A comment beside the licence line, before the first line of code. A .cpp may leave it to its header."""
+    """Returns whether a comment besides the licence line comes before the first line of code. A .cpp may leave the comment
+    to its header."""
     if file.suffix == ".cpp" and (file.with_suffix(".h").is_file() or file.with_suffix(".clh").is_file()):
         return True
     if file.name == "CMakeLists.txt":
@@ -64,7 +66,7 @@ def has_header_comment(file, lines):
 
 
 def table_rows(path, columns):
-    """Rows of a file of columns that tabs part, without empty lines and comments."""
+    """Rows of a file whose columns are separated by tabs, without empty lines and comments."""
     if not path.is_file():
         return []
     rows = [line.split("\t") for line in path.read_text().splitlines() if line and not line.startswith("# ")]
@@ -100,8 +102,8 @@ class WordSlips:
 
 
 def built_patterns(root, files):
-    """Regular expression of the paths that any CMakeLists.txt names or globs. A name counts in folders below too: the
-    list of shaders gets its folder put before each name."""
+    """Returns a regular expression of the paths that any CMakeLists.txt names or globs. A name also matches in subfolders:
+    the list of shaders gets its folder put before each name."""
     patterns = []
     for file in (f for f in files if f.name == "CMakeLists.txt"):
         code = re.sub(r"#.*", "", file.read_text())
@@ -128,7 +130,8 @@ def folder_rows(root):
 
 
 def is_listed(folder, listed):
-    """Whether the folder has a row; one with subfolders alone (host/fields/inference) has theirs."""
+    """Returns whether the folder has a row. A folder that has only subfolders (host/fields/inference) needs one of
+    theirs."""
     return folder in listed or any(row.startswith(f"{folder}/") for row in listed)
 
 
