@@ -19,7 +19,7 @@ namespace multum {
 
 namespace {
 
-// What its texels are in memory. A row a representation.
+// Reads the levels of one representation into its type in memory. The table has one row per representation.
 struct LevelReader {
   Representation representation;
   BakedLevels (*read)(const std::string& path);
@@ -60,7 +60,7 @@ struct MaterialMaker {
   const gl::GlFunctions& gl;
   const ShadingOptions& options;
   const gl::NormalImage& source;
-  const LobeTexture* texture;  // null: lobes as the baked file has them
+  const LobeTexture* texture;  // null: lobes as stored in the baked file
 
   std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);
@@ -113,7 +113,7 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 
 namespace {
 
-// Tan's model is of one BRDF, and of lights that come from somewhere.
+// Tan's model supports one BRDF, and lights but no environment.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
@@ -126,7 +126,8 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
   if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
 }
 
-// Maps with a BRDF's width in: brute force and the paper's formula know one BRDF.
+// A map baked with roughness holds the BRDF's width per texel; brute force and the paper's formula support only one
+// BRDF.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
     throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");

@@ -89,7 +89,7 @@ const std::vector<ViewCommand>& view_commands() {
   static const std::vector<ViewCommand> commands = [] {
     std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
     const std::vector<ViewCommand> more = field_commands();
-    all.insert(all.begin() + 2, more.begin(), more.end());  // behind scene and animate
+    all.insert(all.begin() + 2, more.begin(), more.end());  // after scene and animate
     return all;
   }();
   return commands;
@@ -124,7 +124,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   if (field_commands().empty()) add_absent_commands(app, {"sample", "play", "probe"}, "fields", "MULTUM_FIELDS");
 }
 
-/// For a word that names no file, in the place of a subcommand; else empty.
+/// Returns advice for a word that is in the place of a subcommand and names no file; else an empty text.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -137,7 +137,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// For an option that subcommands have and the program itself has not: which have it; else "".
+/// Names the subcommands that have an option which the program itself lacks; else returns "".
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));
@@ -159,7 +159,7 @@ std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("{}: {}\nSee '{} --help'.\n", program, text, program);
 }
 
-/// The subcommand that runs; empty: a baked map is drawn. Options before a subcommand would be no part of it.
+/// Returns the subcommand that runs; empty: draw a baked map. Throws Error(kUsage) for options before a subcommand.
 std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
   if (app.get_subcommands().empty()) {
     if (options.map.file.empty()) throw CLI::RequiredError("file");

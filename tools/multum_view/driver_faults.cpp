@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// Made beforehand: after a fault nothing may be allocated.
+// The message is made in advance: after a fault nothing may be allocated.
 std::array<char, 300> g_message;
 size_t g_message_size = 0;
 

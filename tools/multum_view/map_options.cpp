@@ -142,7 +142,7 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
 
 namespace {
 
-/// What knows one roughness for all of a picture.
+/// Checks the combinations of --brdf-roughness with options that assume one roughness for the whole picture.
 void check_brdf_roughness(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const auto refuse = [](const std::string& found, const char* expected) {

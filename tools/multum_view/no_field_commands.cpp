@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the place of fields/field_commands.cpp where fields are not built.
+// Replaces fields/field_commands.cpp in builds without fields.
 #include "host/foundation/base/error.h"
 #include "tools/multum_view/view_commands.h"
 

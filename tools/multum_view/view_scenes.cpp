@@ -24,15 +24,15 @@ void place_camera(const CameraPlace& place, gl::Camera& camera) {
   if (place.fov_y_degrees) camera.fov_y_degrees = *place.fov_y_degrees;
 }
 
-/// What is up in the picture: meshes have it along +Y, as glTF does, and the plane along +Z.
+/// Sets the up direction: +Y for meshes, as in glTF, and +Z for the plane.
 void set_up(const PictureOptions& options, ViewScenes& scenes) {
   gl::Camera& camera = scenes.first.camera;
   const bool is_plane = options.surface.mesh.empty();
   scenes.up = options.camera.up.value_or(is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f));
   if (options.camera.up && (scenes.has_camera || is_plane) && looks_along(camera, scenes.up))
     throw Error(ErrorCode::kUsage, "--up lies along the line of sight, expected another direction, e.g. 0,0,1");
-  // Looking straight up or down, another direction has to be up: further away on the plane, and away from who
-  // looks at a mesh from the front.
+  // A camera that looks straight up or down needs another up direction: away from the viewer on the plane, and away
+  // from a viewer in front of a mesh.
   if (!options.camera.up && scenes.has_camera && looks_along(camera, scenes.up))
     scenes.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   camera.up = scenes.up;
