@@ -78,7 +78,7 @@ def copies(root):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--root", default=ROOT, type=pathlib.Path, help="folder of the project (default: this one's)")
+    parser.add_argument("--root", default=ROOT, type=pathlib.Path, help="project folder (default: that of this script)")
     found = copies(parser.parse_args().root)
     print("\n".join(found), end="\n" if found else "")
     sys.exit(1 if found else 0)

@@ -43,13 +43,14 @@ def check_text(file, text):
         if len(line) > LINE_LENGTH_MAX:
             yield number, f"{len(line)} characters, at most {LINE_LENGTH_MAX}"
         if re.search(r"\b(FIX" r"ME|XX" r"X)\b", line):
-            yield number, "FIX" "ME and XX" "X may not be merged: name an issue with TODO, or mend it"
+            yield number, "FIX" "ME and XX" "X may not be merged: name an issue with TODO, or fix it"
     if not any("SPDX-License-Identifier: Apache-2.0" in line for line in lines[:3]):
         yield 1, "found no line 'SPDX-License-Identifier: Apache-2.0' among the first three"
 
 
 def has_header_comment(file, lines):
-    """Returns whether a comment besides the licence line comes before the first line of code. A .cpp may leave the comment
+    """Returns whether a comment besides the licence line comes before the first line of code. A .cpp may leave the
+    comment
     to its header."""
     if file.suffix == ".cpp" and (file.with_suffix(".h").is_file() or file.with_suffix(".clh").is_file()):
         return True
@@ -72,7 +73,7 @@ def table_rows(path, columns):
     rows = [line.split("\t") for line in path.read_text().splitlines() if line and not line.startswith("# ")]
     for row in rows:
         if len(row) != columns:
-            sys.exit(f"{path}: found {len(row)} columns in '{row[0]}', expected {columns}, parted by tabs")
+            sys.exit(f"{path}: found {len(row)} columns in '{row[0]}', expected {columns}, separated by tabs")
     return rows
 
 
@@ -102,7 +103,8 @@ class WordSlips:
 
 
 def built_patterns(root, files):
-    """Returns a regular expression of the paths that any CMakeLists.txt names or globs. A name also matches in subfolders:
+    """Returns a regular expression of the paths that any CMakeLists.txt names or globs. A name also matches in
+    subfolders:
     the list of shaders gets its folder put before each name."""
     patterns = []
     for file in (f for f in files if f.name == "CMakeLists.txt"):

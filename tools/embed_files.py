@@ -19,7 +19,8 @@ ESCAPES = {ord("\n"): "\\n", ord('"'): '\\"', ord("\\"): "\\\\", ord("?"): "\\?"
 
 
 def flatten(folder, name, seen):
-    """Source of `name` with each include replaced by its file, once. #line makes error messages name the original files."""
+    """Source of `name` with each include replaced by its file, once. #line makes error messages name the original
+    files."""
     if name in seen:
         return []
     seen.add(name)

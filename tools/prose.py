@@ -100,7 +100,8 @@ def python_prose(text):
 
 
 def prose(file, text):
-    """Yields (line, paragraph) for all prose in the file with this text: documents, comments, and strings of at least four
+    """Yields (line, paragraph) for all prose in the file with this text: documents, comments, and strings of at least
+    four
     words. Code spans read CODE."""
     if file.suffix == ".md":
         yield from document_paragraphs(text)

@@ -50,7 +50,7 @@ class TemporaryImages {
   TemporaryImages() {
     std::string pattern = (std::filesystem::temp_directory_path() / "multum_view_XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
-      throw Error(ErrorCode::kEnvironment, pattern + ": cannot be made a folder for the model's images");
+      throw Error(ErrorCode::kEnvironment, pattern + ": cannot make this folder for the model's images");
     folder_ = pattern;
   }
   ~TemporaryImages() {
@@ -117,10 +117,11 @@ class Model {
     for (const GltfMaterial& material : materials.materials) {
       names.insert(material.name);
       if (material.anisotropy > 0.0f && picture_.material.brdfs.empty())
-        throw Error(ErrorCode::kInput,
-                    fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected "
-                                "materials of roughness alone, which lobes are shaded with; --brdf takes another",
-                                picture_.surface.mesh, material.name, material.anisotropy));
+        throw Error(
+            ErrorCode::kInput,
+            fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected materials "
+                        "with only roughness, which lobes can be shaded with. --brdf sets another BRDF",
+                        picture_.surface.mesh, material.name, material.anisotropy));
     }
     for (const auto& [name, file] : files_)
       if (names.count(name) == 0)
@@ -161,7 +162,8 @@ class Model {
     const BakedMap map = read_baked_map(file->second);
     check_options_of(file->second, picture_, scenes_, false, map.header);
     if (map.header.first_level > 0)
-      throw Error(ErrorCode::kInput, file->second + ": holds no level 0, expected files of all levels for --material");
+      throw Error(ErrorCode::kInput,
+                  file->second + ": holds no level 0, expected files with all levels for --material");
     surfaces_.push_back(make_material(gl, map, picture_.shading, {}));
     return surfaces_.back().get();
   }
@@ -182,8 +184,8 @@ void add_model_options(CLI::App& app, ModelOptions& options) {
   PictureOptions& picture = options.picture;
   app.add_option("model", picture.surface.mesh, "model to draw: glTF or GLB")->required();
   app.add_option("--material", options.materials,
-                 "draw the material NAME with the map FILE that was baked for it, NAME=FILE.ndf.exr; once for each "
-                 "material (multum materials)");
+                 "draw material NAME with the map baked for it, NAME=FILE.ndf.exr; once per material (multum materials "
+                 "lists them)");
   add_picture_option(app, picture.output)->required();
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);

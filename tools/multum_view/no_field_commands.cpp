@@ -9,7 +9,7 @@ std::vector<ViewCommand> field_commands() { return {}; }
 
 void draw_field_thumbnail(const ThumbnailOptions& options) {
   throw Error(ErrorCode::kUsage, options.result +
-                                     ": a folder; expected a baked file: this multum-view was built without fields "
+                                     ": is a folder, expected a baked file: this multum-view was built without fields "
                                      "(CMake option MULTUM_FIELDS)");
 }
 

@@ -116,7 +116,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
 }  // namespace
 
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options) {
-  app.add_option("result", options.result, "*.ndf.exr, or what multum infer wrote")->required();
+  app.add_option("result", options.result, "*.ndf.exr, or an output folder of multum infer")->required();
   app.add_option("-o,--output", options.folder, "existing folder for the pictures")->required();
   app.add_option("--source", options.source, "normal map that the file was baked from");
   app.add_option("--albedo", options.albedo, "the source's colours");

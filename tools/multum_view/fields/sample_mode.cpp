@@ -118,7 +118,7 @@ void check_outputs(const TextureSource& source, const std::vector<std::string>& 
   for (const fs::path& file : source.files()) inputs.insert(fs::weakly_canonical(file));
   for (const std::string& output : outputs)
     if (inputs.count(fs::weakly_canonical(output)) > 0)
-      throw Error(ErrorCode::kUsage, output + ": is read, expected the name of another file to write");
+      throw Error(ErrorCode::kUsage, output + ": is an input, expected another file name for the output");
   check_paths_differ({}, outputs);
   for (const std::string& output : outputs) check_writable(output);
 }
@@ -126,8 +126,8 @@ void check_outputs(const TextureSource& source, const std::vector<std::string>& 
 gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const InferredTexture& texture,
                    const TextureMapping& mapping, float anisotropy) {
   if (texture.width != mapping.width || texture.height != mapping.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels, the manifest says {} x {}", path, texture.width,
-                                               texture.height, mapping.width, mapping.height));
+    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels, expected {} x {} as in the manifest", path,
+                                               texture.width, texture.height, mapping.width, mapping.height));
   const MipLayout layout(texture.width, texture.height);
   gl::Texture uploaded(gl, path, {texture.width, texture.height, layout.level_count(), gl::TexelFormat::kRgba16f},
                        {mapping.wrap_s, mapping.wrap_t, true, anisotropy});
@@ -194,10 +194,11 @@ void draw_all(const SampleOptions& options, TextureSource& source) {
 }  // namespace
 
 void add_sample_options(CLI::App& app, SampleOptions& options) {
-  app.add_option("folder", options.folder, "what multum infer wrote, or its inferred.json, or a file of multum pack")
+  app.add_option("folder", options.folder, "output folder of multum infer, its inferred.json, or a file of multum pack")
       ->required();
-  app.add_option("--at", options.samples,
-                 "sample to draw: its index along each parameter, e.g. 3,5, or its name; repeatable, with as many -o")
+  app.add_option(
+         "--at", options.samples,
+         "sample to draw: its index along each parameter, such as 3,5, or its name; may be repeated, with one -o each")
       ->required()
       ->allow_extra_args(false);  // else the option would take FOLDER if it comes last
   app.add_option("-o,--output", options.outputs, "picture of each sample: .png (sRGB) or .exr (linear floats)")

@@ -60,7 +60,7 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
     return lights;
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::kInput,
-                path + ": found settings that do not say its lights, expected those of `multum reflectance`");
+                path + ": found settings without lights, expected the settings of `multum reflectance`");
   }
 }
 
@@ -219,10 +219,10 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
                                                options.file, pyramid_kind_name(header.kind)));
   if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: is a map over normals, for a surface, found {}, expected {}", options.file,
+                fmt::format("{}: is a reflectance map, which needs a surface; found {}, expected {}", options.file,
                             options.surface.mesh.empty() ? "none" : "two", "--mesh or --surface"));
   if (!by_normal && !(options.surface.mesh.empty() && options.surface_pyramid.empty()))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is a pyramid of colours and lies on the plane, found {}",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is a pyramid of colours, which is drawn on the plane; found {}",
                                                options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
   if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
     throw Error(ErrorCode::kUsage, "--surface-level, --surface-spacing: found no --surface, expected one");
@@ -241,11 +241,11 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
-         "look the pyramid up in these ways, a list of nearest, bilinear (finest level), level (the longer side of the "
+         "kinds of pyramid lookup, a list of nearest, bilinear (finest level), level (by the longer side of the "
          "pixel), driver, and reference (supersampled)")
       ->default_str("level");
   app.add_option("--shifts", options.shifts,
-                 "measure the flicker of reflected light against the reference over so many sub-pixel shifts")
+                 "measure the flicker of reflected light against the reference over this many sub-pixel shifts")
       ->check(CLI::Range(2, 256));
 }
 
@@ -257,17 +257,16 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
   add_level_bias_option(app, options.level_bias,
-                        "number added to the level (default: 0 for colours, as the GL; -0.79 for reflected light, as "
-                        "wide as the pixel)");
+                        "number added to the level (default: 0 for colours, as in GL; -0.79 for reflected light, which "
+                        "fits the pixel's width)");
   app.add_option("--samples", options.samples, "samples per pixel of the reference")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();
   add_pictures_option(app, options.output);
   add_mesh_option(app, options.surface);
-  app.add_option(
-      "--surface", options.surface_pyramid,
-      "put reflected light on a pyramid of heights or positions, as multum lod writes it; but for the reference "
-      "at --surface-level, which limits its curvature");
+  app.add_option("--surface", options.surface_pyramid,
+                 "show reflected light on a pyramid of heights or positions of multum lod. --surface-level limits the "
+                 "surface's curvature, except in the reference");
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
@@ -284,7 +283,7 @@ int draw_pyramid(const PyramidOptions& options) {
   check_picture_path(options.output.path);
   check_paths_differ({options.file}, {options.output.path, report});
   if (options.shifts > 0 && options.lookups.front() != "reference")
-    throw Error(ErrorCode::kUsage, "--shifts measures flicker against the reference, expected reference in --lookup");
+    throw Error(ErrorCode::kUsage, "--shifts: measures flicker against the reference, expected reference in --lookup");
   const Pyramid pyramid = options.expected ? read_pyramid(options.file, *options.expected) : read_pyramid(options.file);
   check_surface(options, pyramid.header);
   std::optional<gl::PhongLights> lights;
