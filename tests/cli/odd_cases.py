@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The odd inputs: some 570 small maps, from a seed, each with what docs/reference/input_maps.md says of it."""
+"""Makes the odd inputs: about 570 small maps from a seed, each with the result that docs/reference/input_maps.md
+promises."""
 import math
 import struct
 import zlib
@@ -20,7 +21,7 @@ NAN, INF = math.nan, math.inf
 
 @dataclass
 class Beside:
-    """A map beside the normals: colours, roughness, gloss or weights."""
+    """A map that accompanies the normals: colours, roughness, gloss or weights."""
     option: str
     data: bytes
     extension: str
@@ -49,7 +50,7 @@ class Case:
 
 
 def exr_picture(data, names):
-    """The first part's channels, by name, as one picture; of types that differ as floats."""
+    """Returns the first part's channels, by name, as one picture. Channels of different types become floats."""
     part = read_exr(data)[0]
     planes = [part.levels[0][name] for name in names]
     kinds = {kind for _, kind in part.channels}
@@ -75,14 +76,14 @@ class Generator:
         return self.random.choice(sizes)
 
     def normals(self, kind="uint", bits=8, sizes=SIZES, is_signed=None):
-        """Normals of a surface as a picture, and what they mean."""
+        """Returns normals of a surface as a picture, and their expected meaning."""
         width, height = self.size(sizes)
         is_signed = kind == "int" if is_signed is None else is_signed
         return picture_of(surface(width, height, self.random), width, height, kind, bits, is_signed), \
             Meaning(is_signed=is_signed)
 
     def with_alpha(self, picture, count=1):
-        """Random numbers behind each texel's."""
+        """Appends random numbers to each texel."""
         n, samples = picture.channels, []
         for i in range(0, len(picture.samples), n):
             largest = 2**(picture.bits - (picture.kind == "int")) - 1
@@ -108,7 +109,7 @@ class Generator:
                         self.add("PNG normals", data, "png", read_png(data), meaning)
 
     def few_normals(self, count):
-        """`count` 8-bit normals around +Z: the entries of a colour map."""
+        """Returns `count` 8-bit normals around +Z: the entries of a colour map."""
         normals = surface(16, 16, self.random)
         chosen = self.random.sample(normals, count)
         return [[rounded(c / 2 + 0.5, "uint", 8) for c in v] for v in chosen]
@@ -122,7 +123,7 @@ class Generator:
                 picture = Picture(width, height, 1, "uint", depth, indices)
                 data = self.png(picture, 3, palette=palette, interlace=variant == 1,
                                 transparent=bytes([0, 128]) if variant == 2 else None)
-                # Of facets in random order two may be the only ones, which lean to a side.
+                # Facets in random order may have only two kinds, which lean to one side.
                 self.add("PNG palettes", data, "png", read_png(data), options=("--bumpformat", "normal"))
 
     def png_chunks(self):
@@ -208,7 +209,7 @@ class Generator:
         self.add("green", data, "png", read_png(data), meaning, ("--normal-scale", "0.25"))
 
     def layout(self, picture, **keys):
-        """Any that is legal for the picture."""
+        """Chooses any predictor that is legal for the picture."""
         choose = self.random.choice
         layout = Layout(order=choose("<>"), is_big=choose((False, True)), is_planar=choose((False, True)),
                         compression=choose((tiff.NONE, tiff.LZW, tiff.DEFLATE, tiff.PACKBITS, tiff.OLD_DEFLATE)))
@@ -227,7 +228,7 @@ class Generator:
                            ("float", 32), ("float", 64)):
             for i in range(9):
                 is_signed = kind == "int" or kind == "float" and i % 2 == 0
-                # Neither rows nor tiles of doubles are read, if not in planes: they are refused.
+                # Rows and tiles of doubles are refused unless they are in planes.
                 is_double = (kind, bits) == ("float", 64)
                 sizes = SIZES if not is_double else [size for size in SIZES if size[1] > 1]
                 picture, meaning = self.normals(kind, bits, sizes, is_signed)
@@ -243,7 +244,7 @@ class Generator:
                 self.add("TIFF normals", data, "tif", decoded, meaning)
 
     def tiff_depths(self):
-        """Heights of every number of bits, 0 for black or for white."""
+        """Adds heights of every bit depth, with 0 for black or for white."""
         for photometric in (tiff.BLACK_IS_ZERO, tiff.WHITE_IS_ZERO):
             for bits in (2, 4, 6, 8, 10, 12, 14, 16, 32):
                 for i in range(2):
@@ -318,7 +319,7 @@ class Generator:
                 self.add("TIFF pages", data, "tif", read_tiff(data), meaning, warns=(warning,))
 
     def tiff_strips(self):
-        """Numbers of rows in a strip that are all: left out, or the largest there is."""
+        """Adds strips that hold all rows: the number of rows is left out, or it is the largest possible."""
         for kind, bits in (("uint", 8), ("uint", 16), ("float", 32), ("float", 64)):
             for rows in (-1, 2**32 - 1, 2**31 - 1):
                 for compression in (tiff.NONE, tiff.DEFLATE):
@@ -446,7 +447,7 @@ class Generator:
                 self.add("EXR parts", data, "exr", exr_picture(data, "RGB"), meaning, warns=("2 parts",))
 
     def contents(self):
-        """What normals may be besides clean: broken, short, black, below the horizon, flat."""
+        """Adds normals that need repair or care: broken, short, black, below the horizon, flat."""
         def add(picture, meaning, warns=(), options=(), name="contents", tolerance=1e-5):
             kind = "float" if picture.kind == "float" else "uint"
             data = self.exr_file(picture, "RGB", compression=3) if kind == "float" else self.png(picture, 2)
@@ -521,7 +522,7 @@ class Generator:
                  options=("--bumpformat", "height", "--height-scale", "3"))
 
     def beside(self, width, height, *besides, kind="beside", **keys):
-        """A case of plain normals with other maps."""
+        """Adds a case of plain normals with other maps."""
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 16, False)
         data = self.png(picture, 2)
         self.add(kind, data, "png", read_png(data), Meaning(), beside=besides, **keys)
@@ -700,5 +701,5 @@ class Generator:
 
 
 def generated(random):
-    """All cases: a seed gives the same bytes."""
+    """Returns all cases. Equal seeds give equal bytes."""
     return Generator(random).cases

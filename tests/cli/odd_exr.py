@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes OpenEXR files of odd layouts: windows, channels, parts, line orders, tiles; not compressed, RLE, ZIPS and ZIP.
-exr_reading reads them back."""
+"""Writes OpenEXR files of odd layouts: windows, channels, parts, line orders, tiles; uncompressed, RLE, ZIPS and ZIP.
+exr_reading reads them again."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -97,7 +97,7 @@ def header_of(part, name, chunk_count):
 
 
 def write_exr(parts):
-    """Of one part a plain file, else one of several."""
+    """Writes one part as a plain file, and several parts as a multi-part file."""
     is_multi = len(parts) > 1
     chunks = [list(chunks_of(part)) for part in parts]
     version = 2 | (0x1000 if is_multi else 0x200 if parts[0].tile else 0)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""One map baked by several processes: byte for byte the file of one process, whatever the number of shares, their order
-and repetition; shares that are missing, damaged or of another bake are named and made again.
+"""One map baked by several processes gives the bytes of one process, whatever the number of shares, their order and
+repetition. Shares that are missing, damaged or of another bake are named and made again.
 
   tests/cli/farms/map_shard_test.py --programs FOLDER
 """
@@ -19,7 +19,7 @@ import farm_programs
 
 
 def write_tiff(path, width, height):
-    """Writes normals in 8-bit RGB, uncompressed: noise of up to some 14 degrees."""
+    """Writes noisy normals with tilts of up to about 14 degrees in 8-bit RGB, uncompressed."""
     pixels = bytearray(128 + (value - 128) // 4 for value in random.Random(7).randbytes(3 * width * height))
     pixels[2::3] = bytes([250]) * (width * height)
     short, long, entries = 3, 4, []
@@ -207,7 +207,7 @@ class MapShardTest(unittest.TestCase):
         self.assertEqual((whole["shares"], "band_seconds" in whole), (0, False))
         half = 0.6 * whole["processor_seconds"]
         self.assertEqual(json.loads(self.plan("--share-seconds", half, "--json").stdout)["shares"], 2)
-        # No more than the map has room for; and none of what is not divided.
+        # The plan has at most as many shares as the map has room for, and none for a bake that cannot be divided.
         many = json.loads(self.plan("--share-seconds", 0.001, "--json").stdout)["shares"]
         self.assertEqual(self.plan("--shards", many).returncode, 0)
         self.assertEqual(self.plan("--shards", many + 1).returncode, 2)

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What SIGTERM leaves of every command (docs/how-to/clusters.md, the table of that name): exit code 130 well within a
-farm's
-period of grace, nothing half-written, and the same command again makes what an undisturbed run made.
+"""Tests every command under SIGTERM (docs/how-to/clusters.md has the table): exit code 130 well within a farm's grace
+period, no half-written file, and the same command again makes the files of an undisturbed run.
 
   tests/cli/farms/sigterm_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -32,7 +31,7 @@ SIZE = 128
 
 @dataclasses.dataclass
 class Row:
-    """A command. `out` in its words stands for the folder of its results."""
+    """A command. `{out}` in its words is replaced by the folder of its results."""
     name: str
     words: tuple
     keeps: tuple = ()   # beginnings of names, hidden ones too, that may be there when it was stopped
@@ -47,7 +46,7 @@ LARGE = ("{maps}/large_normal.png",)
 ONE = ("-o", "{out}/map.ndf.exr", "--no-measure")
 PARTIAL = (".multum-partial-",)
 ROWS = (
-    # With the stage that measures.
+    # Includes the measuring stage.
     Row("bake", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--resume"), PARTIAL),
     Row("bake gmm", ("bake", *MAP, *ONE, "--ndf", "gmm", "--resume"), PARTIAL),
     Row("bake refine", ("bake", *MAP, *ONE, "--refine", "--resume"), PARTIAL),
@@ -81,10 +80,10 @@ ROWS = (
     Row("tradeoff", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures")),
     Row("tradeoff budget", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures", "--quick", "--budget-ms",
                             "50"), until="time bakes"),
-    # While another program draws.
+    # Stops while multum-view draws.
     Row("tradeoff drawing", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--context", "osmesa"), until="draw"),
     Row("gltf", ("gltf", "{maps}/model.glb", "-o", "{out}/model.glb", "--format", "rgba8")),
-    # Stages are named once a second: on a fast machine the small model is done by then.
+    # Stages are reported once per second: on a fast machine the small model would be done by then.
     Row("gltf lobes", ("gltf", "{maps}/large.glb", "-o", "{out}/model.glb", "--format", "rgba8", "--lobes"),
         until="lobes"),
     Row("export", ("export", *MAP, "-o", "{out}/engine")),
@@ -131,7 +130,7 @@ class SigtermTest(unittest.TestCase):
         return [word.format(maps=self.maps, out=out) for word in words]
 
     def out_of(self, row, name):
-        """A folder as the command finds it."""
+        """Makes a folder with the inputs of the commands."""
         out = pathlib.Path(self.holder.name) / name
         shutil.rmtree(out, ignore_errors=True)
         out.mkdir()
@@ -144,8 +143,8 @@ class SigtermTest(unittest.TestCase):
         return out
 
     def stopped(self, row, out, pause):
-        """Exit code of the command when it hears SIGTERM, and how long it took from there. The signal comes twice, as
-        from `timeout`, which signals a process and its group."""
+        """Returns the command's exit code after SIGTERM, and the seconds from the signal to the exit. The signal comes
+        twice, as from `timeout`, which signals a process and its group."""
         words = [farm_programs.multum(), *self.words_of(row.words, out), "--openjd"]
         with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
             begun = not row.until

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Models that are damaged or made to harm: each is refused with what is wrong, and nothing is left behind.
+"""Damaged and malicious models: each is refused with a message that names the problem, and no file is left behind.
 
   gltf_hostile_test.py MULTUM [unittest's arguments]
 """
@@ -45,7 +45,7 @@ class HostileTest(unittest.TestCase):
         os.remove(self.path(name))
 
     def changed(self, change):
-        """A good model's GLB after `change(json)`."""
+        """Returns a valid model's GLB after `change(json)`."""
         model = plain_model()
         model.glb()
         change(model.json)

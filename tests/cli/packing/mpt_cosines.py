@@ -80,7 +80,7 @@ class CosineStream:
         return values is not None and any(values[at] for at in self.bands[band])
 
     def block(self, around, has_parent, plane, level, is_only):
-        """None where it has nothing."""
+        """Returns None if the stream is empty."""
         left, up, parent, luma = around
         chroma, level = min(plane, 1), min(level, 3)
         above = 2 if not has_parent else 0 if parent is None else 1
