@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service's ledger: damaged, rescued, taken away, another's, and jobs that need others. MULTUM names the program.
+"""The service's ledger: damaged, rescued, removed, or of another version; and jobs that need others. MULTUM names the
+program.
 
   MULTUM=build/release/bin/multum-drill ledger_test.py [-v] [LedgerTest.test_...]
 """
@@ -37,7 +38,7 @@ class LedgerTest(ClientCase):
         self.assertIn("docs/reference/service.md", service.log_text().splitlines()[-1], "and a way out")
 
     def damage(self):
-        """The list of tables."""
+        """Overwrites the list of tables."""
         with open(os.path.join(self.service.data, "jobs.sqlite"), "r+b") as file:
             file.seek(100)
             file.write(b"\xee" * 3900)

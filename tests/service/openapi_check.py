@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Holds answers to the service's own OpenAPI 3.1 file: the operation, its status, the body's type and schema."""
+"""Checks answers against the service's own OpenAPI 3.1 file: the operation, its status, the body's type and schema."""
 import json
 import re
 import warnings
@@ -14,7 +14,7 @@ FORMATS.checks("date-time")(lambda value: not isinstance(value, str) or bool(TIM
 
 
 class OpenapiCheck:
-    """Counts what it has seen: `seen` has (method, path template, status)."""
+    """Records the checked answers: `seen` has (method, path template, status)."""
 
     def __init__(self, document):
         self.document = document
@@ -30,7 +30,7 @@ class OpenapiCheck:
         return node
 
     def errors(self, schema, value):
-        """Messages of what is not as the schema says."""
+        """Returns messages about differences from the schema."""
         key = json.dumps(schema)
         if key not in self.validators:
             self.validators[key] = Draft202012Validator(schema, resolver=self.resolver, format_checker=FORMATS)
@@ -39,12 +39,12 @@ class OpenapiCheck:
 
     def template_of(self, target):
         path = target.split("?")[0]
-        # A path without parts to fill in goes before one that has them.
+        # A path without placeholders takes precedence over a path with placeholders.
         found = [template for pattern, template in self.paths if pattern.match(path)]
         return min(found, key=lambda one: one.count("{"), default=None)
 
     def check(self, method, target, status, headers, body):
-        """Raises AssertionError saying what is not as described."""
+        """Raises AssertionError that names the difference from the file."""
         method = "get" if method == "HEAD" else method.lower()
         template = self.template_of(target)
         operation = self.document["paths"].get(template, {}).get(method)

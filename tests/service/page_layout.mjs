@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks at where a page's parts lie: what is beyond the window, cut, or over something else.
+// Checks the layout of a page: parts beyond the window, cut parts, and parts that cover others.
 
 /** Windows that every page is looked at in: the narrowest phones, and 1280 x 800 at 200 %. */
 export const NARROW = [{ viewport: { width: 320, height: 640 }, deviceScaleFactor: 1 },
@@ -13,8 +13,8 @@ export const misplaced = (page, root = "body") => page.evaluate((selector) => {
   const top = document.querySelector(selector);
   const width = document.documentElement.clientWidth, found = new Set();
   const isShown = (element) => {
-    if (!element.checkVisibility({ visibilityProperty: true })) return false; // in details that are closed too
-    for (let above = element; above !== null; above = above.parentElement) // for screen readers alone
+    if (!element.checkVisibility({ visibilityProperty: true })) return false; // includes closed details
+    for (let above = element; above !== null; above = above.parentElement) // only for screen readers
       if (above.getBoundingClientRect().width <= 1 && getComputedStyle(above).overflow === "hidden") return false;
     return true;
   };

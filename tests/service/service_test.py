@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service as its clients see it: lives of jobs, queues, events, what is refused, and how it ends. MULTUM names the
-program.
+"""The service as clients see it: the life of jobs, queues, events, refusals, and shutdown. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill service_test.py [-v] [ServiceTest.test_...]
 """
@@ -26,7 +25,7 @@ class ServiceTest(ClientCase):
     checks_answers = True
 
     def on_terminal(self, *arguments):
-        """What the terminal of a client gets, as bytes."""
+        """Returns the bytes that a client's terminal receives."""
         try:
             terminal, inner = pty.openpty()
         except OSError:
@@ -43,7 +42,7 @@ class ServiceTest(ClientCase):
         return shown
 
     def refused_path(self, path, job, is_outside=True):
-        """Named, and if it is outside, the folders that may be used too."""
+        """Checks that the file is named; for a file outside, that the allowed folders are named too."""
         message = self.refused(400, "usage", [], "POST", "/v1/jobs", job)
         self.assertTrue(message.startswith(f"{path}: "), message)
         self.assertEqual(self.results() in message, is_outside, message)
@@ -149,7 +148,7 @@ class ServiceTest(ClientCase):
                 shown = self.on_terminal(*arguments)
                 self.assertFalse(any(byte in shown for byte in (b"\x9b", b"\x7f")), shown)
                 self.assertIn(b"31m", shown)
-        # A pipe gets the log as it is.
+        # A pipe receives the log unchanged.
         self.assertIn(source, self.client("tail", "1", code=1))
         self.assertEqual(json.loads(self.client("show", "1"))["message"], job["message"])
 
@@ -217,7 +216,7 @@ class ServiceTest(ClientCase):
 
     def test_who_waits_misses_no_end_and_outlives_a_restart(self):
         service = self.start()
-        # Jobs that end while the client asks: it must not wait for what has happened already.
+        # Jobs may end while the client asks: it must not wait for events that have already happened.
         for _ in range(20):
             self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
         deadline = time.monotonic() + 5  # less than a pulse
@@ -372,7 +371,7 @@ class ServiceTest(ClientCase):
         for target in ("/v1/jobs%00", "/%00", "/v1/queues/default%00/pause", "/v1/jobs?queue=a%00b",
                        "/v1/jobs?%00=1"):
             self.refused(400, "usage", [], "POST" if "pause" in target else "GET", target)
-        # A NUL ends no text: it is refused wherever it is.
+        # A NUL does not end a text: it is refused in every place.
         job = {"type": "drill", "parameters": {}}
         for body in (dict(job, label="a\0b"), dict(job, queue="default\0"), dict(job, type="drill\0"),
                      dict(job, output="a\0b"), dict(job, parameters={"text": "a\0"}), dict(job, **{"lab\0el": "a"}),
@@ -413,7 +412,7 @@ class ServiceTest(ClientCase):
                                            "output": result})
         self.refused_path(self.output("link.png"), {"type": "drill", "output": self.output("link.png")},
                           is_outside=False)
-        # A scene's job may name files too.
+        # A scene's job may name files as well.
         with open(self.output("job.toml"), "w", encoding="utf-8") as file:
             file.write('geometry = "../secret.png"\n')
         self.refused(400, "usage", ["secret.png", self.results()], "POST", "/v1/jobs",
@@ -437,7 +436,9 @@ class ServiceTest(ClientCase):
         self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=bearer)[0], 200)
         for public in ("/healthz", "/openapi.json"):
             self.assertEqual(self.service.ask("GET", public)[0], 200)
-        # The scheme is in any case, another is none, and a query carries the token where a browser has no headers.
+        # The scheme's case does not matter, another scheme is refused, and a query carries the token if a browser
+        # cannot send
+        # headers.
         for scheme, status in (("bearer", 200), ("BEARER ", 200), ("Basic", 401), ("Bearera", 401), ("", 401)):
             given = {"Authorization": f"{scheme} a token of many letters"}
             self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=given)[0], status, scheme)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What sbatch refuses: arrays beyond MaxArraySize become smaller ones, what Slurm never takes ends its job once, with
-Slurm's words, and what it does not take now waits. With a stand-in for Slurm's commands (stand_in_slurm.py), and with a
-real Slurm where one can be started (slurm_harness.py). MULTUM names the program.
+"""Refusals of sbatch: arrays beyond MaxArraySize become smaller arrays; a job that Slurm never accepts ends once, with
+Slurm's message; a job that it does not accept at the moment waits. Runs with a stand-in for Slurm's commands
+(stand_in_slurm.py), and with a real Slurm if one can be started (slurm_harness.py). MULTUM names the program.
 
   MULTUM=build/release/bin/multum slurm_refusals_test.py [-v] [StandInTest.test_...]
 """
@@ -63,7 +63,7 @@ class RefusalCase(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def succeed(self, number):
-        """The parts of the job, whose result is that of one process."""
+        """Returns the parts of the job, and checks that the result equals that of one process."""
         job = self.service.wait_for(number)
         self.assertEqual((job["state"], len(job["attempts"])), ("succeeded", 1), self.service.log_text()[-2000:])
         with open(self.output("map.ndf.exr"), "rb") as mine, open(self.whole, "rb") as other:
@@ -71,7 +71,7 @@ class RefusalCase(ClientCase):
         return job["parts"]
 
     def check_bands(self, parts, array_max):
-        """Each band succeeded once, in arrays that Slurm takes."""
+        """Checks that each band succeeded once, in arrays that Slurm accepts."""
         done = [part for part in parts if part["state"] == "succeeded"]
         count = int(done[0]["part"].split("/")[1])
         self.assertGreater(count, array_max)  # or nothing would be split
@@ -115,7 +115,7 @@ class StandInTest(RefusalCase):
         refused = [part for part in parts if part["state"] == "lost"]
         self.assertTrue(refused)
         self.assertIn("sent again in a smaller one", refused[0]["message"])
-        # Share 0, a call for each half that was too long, the arrays, the merge.
+        # Calls: share 0, one for each half that was too long, the arrays, the merge.
         arrays = [call for call in self.calls() if call != "-"]
         too_long = [call for call in arrays if max(map(int, call.split(","))) >= 2]
         self.assertEqual(len(set(len(call.split(",")) for call in too_long)), len(too_long), "each length once")

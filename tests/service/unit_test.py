@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The systemd unit: how much of the machine it leaves to the service, as `systemd-analyze security` counts it.
+"""Checks how much of the machine the systemd unit exposes to the service, by `systemd-analyze security`.
 
 Usage: unit_test.py UNIT
 Exit code 77, a skipped test, without systemd-analyze.

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr double kStep = 0.05;  // seconds between two looks at whether it is cancelled
+constexpr double kStep = 0.05;  // seconds between two checks for cancellation
 
 std::string option(const std::vector<std::string>& arguments, const std::string& name, const std::string& fallback) {
   const std::string start = "--" + name + "=";

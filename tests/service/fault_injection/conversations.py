@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Whole conversations over HTTP with a running daemon, as no good client has them: several lines at once, requests one
-behind the other, cut into pieces anywhere, with bodies of every framing, headers that are doubled, folded or endless,
-bytes changed, closed or reset at any moment. Each answer must be HTTP, of a status that docs/reference/openapi.json
-knows; the
-daemon must live, and have no more memory, files or threads than before. Of a daemon that is built with sanitizers, what
-they find is a failure.
+"""Sends bad HTTP conversations to a running daemon: several connections at once, pipelined requests, cuts at any byte,
+bodies of every framing, headers that are doubled, folded or endless, changed bytes, and connections closed or reset at
+any moment. Each answer must be HTTP with a status that docs/reference/openapi.json lists. The daemon must survive and
+have no more memory, files or threads than before. In a daemon built with sanitizers, any finding is a failure.
 
   fault_injection/conversations.py MULTUM_DRILL [--seconds 60 | --conversations 1000] [--seed N]
 """
@@ -40,7 +38,7 @@ FOUND = re.compile(r"ERROR: AddressSanitizer|runtime error:|WARNING: ThreadSanit
 
 
 class Conversation:
-    """The bytes of some requests, one behind the other, and when what is sent."""
+    """The bytes of some pipelined requests, and the pieces in which they are sent."""
 
     def __init__(self, fuzzer, jobs):
         self.fuzzer, self.random = fuzzer, fuzzer.random
@@ -157,7 +155,7 @@ class Line:
 
 
 def check_answers(line, statuses):
-    """Every answer of the line, as far as it was heard; a body is passed over by its length."""
+    """Checks every received answer of the connection; bodies are skipped by their length."""
     rest = line.heard
     while rest:
         if len(rest) < 12:

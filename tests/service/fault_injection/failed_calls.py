@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Each system call that the daemon makes to write files fails once, while jobs end and their results get their names: a
-file, and a folder over an earlier result. Whatever fails, the daemon lives or can be started again, the job ends
-well by itself, its result is whole, and nothing is left beside it.
+"""Makes each system call with which the daemon writes files fail once, while jobs end and their results are published:
+a file, and a folder over an earlier result. Whatever fails, the daemon survives or can be started again, the job
+succeeds without help, its result is complete, and no other file is left next to it.
 
   fault_injection/failed_calls.py MULTUM_DRILL SHIM [--every 1]
 """
@@ -26,7 +26,7 @@ SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[materi
 
 
 class Faults:
-    """The memory that the shim looks at."""
+    """The memory that this test shares with the shim."""
 
     def __init__(self, path):
         with open(path, "wb") as file:
@@ -38,7 +38,7 @@ class Faults:
         self.memory[:] = struct.pack("4q", call, error, 0, 0)
 
     def seen(self):
-        """Calls, and how many of them failed."""
+        """Returns the number of calls, and of failed ones."""
         return struct.unpack("4q", self.memory[:])[2:]
 
 

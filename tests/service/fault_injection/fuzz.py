@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Requests made from the service's own OpenAPI file, right ones and mostly wrong ones. Each must be answered as the
-file says: what its schemas refuse by 400, what they take by success, what is not there by 404, and nothing by 500. At
-the end the service is up, and has no more memory, files or threads than before.
+"""Sends requests made from the service's own OpenAPI file, some valid and most invalid. Each answer must match the
+file: 400 for what its schemas refuse, success for what they accept, 404 for what does not exist, and never 500. At the
+end the service must run and have no more memory, files or threads than before.
 
   fault_injection/fuzz.py MULTUM_DRILL [--requests 10000] [--seed 1]
 """
@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state, with_drill  # noqa: E402
 
-# Of what the file cannot say: which queues, jobs and files there are.
+# Reasons that the OpenAPI file cannot express: which queues, jobs and files exist.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected an absolute",
            "not a name for a result", "there is no such file", "its folder is not there", "expected a name ending in",
            "unknown state", "not a file")
@@ -43,7 +43,7 @@ class Fuzzer:
                            for _ in range(5 if "requestBody" in operation else 1)]
 
     def value_of(self, schema):
-        """A value that the schema takes, as a rule."""
+        """Returns a value that the schema usually accepts."""
         schema = self.check.resolved(schema)
         choose = self.random
         if "const" in schema:
@@ -79,7 +79,7 @@ class Fuzzer:
         return job
 
     def spoil(self, value):
-        """The same with one thing changed somewhere."""
+        """Returns the value with one part changed."""
         choose = self.random
         if isinstance(value, dict) and value and choose.random() < 0.8:
             key = choose.choice(list(value))
@@ -97,7 +97,7 @@ class Fuzzer:
         return choose.choice(STRANGE)
 
     def body(self, operation):
-        """Bytes, and whether the schema takes them."""
+        """Returns bytes, and whether the schema accepts them."""
         content = operation["requestBody"]["content"]
         if "application/json" not in content:
             return self.random.randbytes(self.random.randrange(2000)), True
@@ -132,7 +132,7 @@ class Fuzzer:
         return target
 
     def next(self, jobs):
-        """(method, target, body, statuses that are right)."""
+        """Returns (method, target, body, accepted statuses)."""
         choose = self.random
         path, method, operation = choose.choice(self.operations)
         target = self.target(path, operation, jobs)
