@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks at the other pages of multum and its tools in headless Chromium, in narrow windows and at 200 %: nothing
-// is cut, covered or beyond the window, no text reads "undefined", the demo's figures add up. Exit code 77: skipped.
+// Checks the other pages of multum and its tools in headless Chromium, in narrow windows and at 200 %: no part is cut,
+// covered or beyond the window, no text reads "undefined", and the demo's figures add up. Exit code 77: skipped.
 //
 //   node pages_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -53,7 +53,7 @@ async function checkDemo() {
   }));
   assert.ok(rows.length >= 3);
   for (const [shown, differences] of rows) {
-    assert.deepEqual(differences, shown); // each difference lies below its picture
+    assert.deepEqual(differences, shown); // each difference is below its picture
     assert.ok(shown.every(({ isAbove }) => isAbove));
   }
 }

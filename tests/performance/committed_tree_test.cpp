@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Documents are made of committed sources, or say that they are not.
+// Documents are made from committed sources, or say that they are not.
 #include "tools/lab/bench/documents/committed_tree.h"
 
 #include <gtest/gtest.h>

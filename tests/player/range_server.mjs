@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A static server for tests, on the loopback: a folder, by ranges where they are asked for, and copies of it in which
-// single files are others, or do not come whole.
+// A static server on loopback for tests: serves a folder, also by ranges, and copies of it in which single files are
+// replaced or truncated.
 import { readFile } from "node:fs/promises";
 import http from "node:http";
 import path from "node:path";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What addon_test.mjs asks of a page: scenes that three.js draws with @multum/three, as linear floats.
+// Page functions for addon_test.mjs: three.js draws scenes with @multum/three and returns linear floats.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { addLobes, addPoints, GltfLobes, LobeLoader, lobesOf, removeLobes, removePoints } from "@multum/three";
@@ -72,7 +72,7 @@ const VIEWS = { low: [[0, 0, 0.3], [0, 1, -0.0939]], steep: [[0, 0.5, 1.2], [0, 
 function surface(normalMap, { Material = THREE.MeshStandardMaterial, hasTangents = false, ...more } = {}) {
   const material = new Material({ color: 0x1a1a1a, roughness: 0.3, metalness: 0, normalMap, ...more });
   material.color.setScalar(0.1);
-  // Without tangents three.js takes them from coordinates, which run against y here.
+  // Without tangents three.js derives them from coordinates, whose v runs against y here.
   material.normalScale.set(1, hasTangents ? 1 : -1);
   return material;
 }

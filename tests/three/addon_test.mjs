@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// @multum/three in headless Chromium: pictures beside multum-view's and beside three.js's own supersampled ones, every
-// light, shadows, fog, environments, instances and skins, materials that share, disposal, what is refused. Exit code
-// 77: skipped.
+// Tests @multum/three in headless Chromium. Compares pictures with multum-view's and with supersampled ones of
+// three.js;
+// tests every light, shadows, fog, environments, instances and skins, shared materials, disposal, and refusals. Exit
+// code 77: skipped.
 //
 //   node addon_test.mjs BIN_FOLDER PICTURES
 import assert from "node:assert/strict";
@@ -80,7 +81,7 @@ async function formatsAgree(page) {
   console.log("  formats:", JSON.stringify(found));
   const { bytes, errors } = found;
   assert.equal(found.unpacked, 0);
-  assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`); // they are rounded to 8 bits
+  assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`); // blocks are rounded to 8 bits
   for (const name of ["blocks", "decoded", "rgba8"])
     assert.ok(errors[name] > 0 && errors[name] < 0.1, `${name}: ${errors[name]}`);
   assert.ok(errors.plain > 5 * errors.blocks, "lobes draw what plain mips do");
@@ -127,7 +128,7 @@ async function lightsAgree(page) {
       return draw([light, box]);
     };
     const [lit, shaded] = [shadowed(false), shadowed(true)];
-    // Each pixel is as it was, or darker; a tenth of them and more are without any light.
+    // Each pixel is unchanged or darker; at least a tenth of the pixels get no light.
     let [brighter, black, changed] = [0, 0, 0];
     for (let i = 0; i < lit.length; i += 4) {
       if (shaded[i] > lit[i] + 1e-5) ++brighter;
@@ -256,7 +257,7 @@ async function geometriesAndLayers(page) {
       return mesh;
     });
     const result = { instances: lab.compared(draw(instances), draw(...meshes)).error };
-    // A skin whose one bone turns is a mesh that turns.
+    // A skin with one rotating bone equals a rotating mesh.
     const skinned = ball.clone(), count = skinned.attributes.position.count;
     skinned.setAttribute("skinIndex", new THREE.Uint16BufferAttribute(new Uint16Array(4 * count), 4));
     skinned.setAttribute("skinWeight", new THREE.Float32BufferAttribute(Float32Array.from({ length: 4 * count },
@@ -485,7 +486,7 @@ try {
   checkPackage();
   opened = await openPage(chromium, { package: inFolder("shaders/three"), files: folder, script: "addon_page.js" });
   const { page, complaints } = opened;
-  // The first counts what there is, in a page that has nothing yet.
+  // The first part counts resources, so it needs a fresh page.
   for (const part of [sharingAndDisposal, besideMultumView, formatsAgree, lightsAgree, besideSupersampled,
     geometriesAndLayers]) {
     console.log(`${part.name}, ${Math.round(process.uptime())} s`);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of three.js whose shading averages a grid of places of each pixel, while edges stay those of one frame: the
-// error that is left is that of edges, whatever the textures say.
+// Materials of three.js that average their shading over a grid of points in each pixel, while edges stay those of one
+// frame. The remaining error comes only from edges, for any textures.
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
 
@@ -10,7 +10,7 @@ export function shiftOfGrid(number) {
   return [part(0.7548776662466927), part(0.5698402909980532)]; // of the plastic number: Roberts's R2
 }
 
-// The package's loop over points, without its term for the change of normals.
+// The package's loop over points, without its term for changing normals.
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a GLB of one mesh of one material, its images as PNG.
+// Writes a GLB with one mesh and one material; its images are PNG.
 import { Buffer } from "node:buffer";
 import { deflateSync } from "node:zlib";
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares pictures of linear floats, four a pixel, and encodes them.
+// Compares and encodes pictures of linear floats, four per pixel.
 
 /** Relative L1: sum of |picture - reference| over sum of the reference, and the ratio of their sums. */
 export function compared(picture, reference) {

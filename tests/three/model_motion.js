@@ -15,7 +15,7 @@ export function moved(view, { motion, step }) {
   throw new Error(`motion: found ${motion}, expected zoom, pan or turn`);
 }
 
-const EDGE = 3; // of 255: floors that are further from their references are those of edges
+const EDGE = 3; // of 255: floors that differ more from their references are errors of edges
 
 /**
  * Of pictures of linear floats, four per pixel, their references and floors. `flicker`: the mean over neighbours in

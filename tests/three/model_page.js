@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of models by three.js, next to the mean of many samples per pixel of one of them without mips: what
-// model_pictures.mjs asks of a page.
+// Page functions for model_pictures.mjs: three.js draws models, and the mean of many samples per pixel of one of them
+// without mips.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
@@ -12,14 +12,14 @@ import { changes, moved } from "./model_motion.js";
 import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
-// Noise of the reference that changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
+// Largest noise of the reference, which changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
 const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
 const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
 const views = new Map(); // by name: { shot, reference, shown }
-let begun = null, held = []; // { model, gltfs }; what hold() loaded
+let begun = null, held = []; // { model, gltfs }; models that hold() loaded
 
 function materialsOf(model) {
   const found = new Set();
@@ -76,8 +76,8 @@ function framed(model, { direction, distance, ...view }) {
   const box = new THREE.Box3().setFromObject(model), target = box.getCenter(new THREE.Vector3());
   const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance).add(target);
   const reach = box.getSize(new THREE.Vector3()).length() / 2;
-  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // to where a ray touches the sphere about it
-  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // of half the picture
+  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // distance to where a ray touches the sphere
+  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // part of half the picture
   const share = Math.min(1, seen), side = 2 * Math.ceil(0.5 * height * share);
   const [w, h] = [Math.min(width, side), Math.min(height, side)];
   return { ...view, eye: eye.toArray(), target: target.toArray(), zoom: Math.max(1, Math.round(1 / share)),

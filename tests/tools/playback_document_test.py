@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/lab/playback_document.py on a small field of traced frames: its page, its rows, and what it refuses; and
-its parts: the path through the parameters, errors and their places,
-values between points of a curve, colours of videos.
+"""Tests tools/lab/playback_document.py on a small field of traced frames: its page, its rows, its refusals, and its
+parts: the path through the parameters, errors and their places, values between points of a curve, colours of videos.
 
   tests/tools/playback_document_test.py --programs FOLDER
 """
@@ -197,7 +196,7 @@ class DocumentTest(unittest.TestCase):
         drawn = xml.etree.ElementTree.parse(self.folder / "images/playback_field_small.svg")
         self.assertEqual(len(drawn.findall(".//{*}circle")), 6)
 
-        # Nothing is measured again; what the binary lacks, or cannot do, is left out with a word.
+        # Nothing is measured again; rows that the binary cannot measure are left out with a message.
         before = (self.folder / "work/rows.json").read_bytes()
         self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
         self.assertEqual((self.folder / "work/rows.json").read_bytes(), before)
@@ -212,10 +211,10 @@ class DocumentTest(unittest.TestCase):
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
         measured_at = re.search(r"bytes\. Measured at (.+)\.$", page, re.MULTILINE)
         self.assertIsNotNone(measured_at, page)
-        # Beside it stands the tree's own commit, whose name may sort before "1".
+        # The page also has the tree's own commit, whose name may sort before "1".
         self.assertIn("1", measured_at.group(1).split(", "))
 
-        # What is named is measured again, into a file of rows that lies elsewhere, and no more than that.
+        # Named rows, and no others, are measured again, into a file of rows in another place.
         for row in rows:
             row["commit"] = "commit 1"
         kept = self.folder / "kept.json"
@@ -274,7 +273,7 @@ class DocumentTest(unittest.TestCase):
         self.assertNotIn("#### In the browser", page)
 
     def path_without_browsers(self):
-        """A folder of links to all programs but those."""
+        """Returns a folder of links to all programs except for those."""
         folder = self.folder / "programs"
         folder.mkdir()
         for place in os.environ["PATH"].split(":"):
