@@ -147,7 +147,7 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
     }
   }
   EXPECT_GT(seen, 250);
-  EXPECT_GT(tight, 0.95 * seen) << "bounds so wide that they say nothing";
+  EXPECT_GT(tight, 0.95 * seen) << "the bounds are too wide to be useful";
 }
 
 // The energy that the plane's edge cuts off: the integral of one normal's facets over the hemisphere

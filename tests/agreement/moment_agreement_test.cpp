@@ -197,7 +197,7 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
     EXPECT_LT(off_opencl, 2e-4 * sum) << shading;
     EXPECT_LT(off_glsl, 2e-4 * sum) << shading;
     EXPECT_GT(seen, 250) << shading;
-    EXPECT_GT(tight, 0.95 * seen) << shading << ": bounds so wide that they say nothing";
+    EXPECT_GT(tight, 0.95 * seen) << shading << ": the bounds are too wide to be useful";
   }
 }
 

@@ -161,7 +161,7 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
 // Compares with the exact convolution, by the bounds that tools/lab/fit_shading.py states: relative L1 over the angle.
 TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   const double exponent = GetParam();
-  if (exponent > 2000.0) GTEST_SKIP() << "the quadrature is for exponents up to 2000";
+  if (exponent > 2000.0) GTEST_SKIP() << "the quadrature supports exponents up to 2000";
   const double bound = exponent == 0.0 ? 0.0025 : exponent < 20.0 ? 0.018 : exponent < 100.0 ? 0.0085 : 0.003;
   for (double kappa : {0.5, 2.0, 10.0, 50.0, 200.0, 2000.0}) {
     Lobes set;

@@ -17,9 +17,9 @@ finish() {
   rm -rf --one-file-system "$work"
 }
 trap finish EXIT
-skip() { printf 'run_elsewhere: passed over: %s\n' "$*"; exit 77; }
+skip() { printf 'run_elsewhere: skipped: %s\n' "$*"; exit 77; }
 
-command -v patchelf > /dev/null || skip 'patchelf is not here (Debian package patchelf)'
+command -v patchelf > /dev/null || skip 'patchelf is not installed (Debian package patchelf)'
 "$repository/tools/bundle" --build "$build" --output "$work/multum.tar.xz" --xz-preset 0
 
 # The commands that a new user would try, run inside the unpacked folder.
@@ -60,9 +60,9 @@ env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 MULTUM_CACHE_DIR= 
   POCL_CACHE_DIR="${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-$work}/.cache}/pocl/kcache}" \
   bash "$work/try.sh" "$unpacked" "$work/elsewhere/tried" | tee "$work/here.txt"
 
-[ "$(id -u)" -eq 0 ] || skip "a root of $release wants root"
-command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not here (Debian package mmdebstrap)'
-mirror=$("$repository/tools/debian_mirror") || skip 'apt names no mirror of Debian'
+[ "$(id -u)" -eq 0 ] || skip "a root of $release needs root privileges"
+command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not installed (Debian package mmdebstrap)'
+mirror=$("$repository/tools/debian_mirror") || skip 'apt names no Debian mirror'
 echo "run_elsewhere: in a root of $release"
 # Packages and their dependencies are unpacked but not configured; no program here needs more.
 mmdebstrap --variant=extract --include=pocl-opencl-icd,libosmesa6,base-files,bash,coreutils,grep "$release" "$root" \

@@ -110,7 +110,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
 
     const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
     EXPECT_EQ(report["levels"].size(), 7u - static_cast<std::size_t>(first_level));
-    EXPECT_EQ(report["levels"][0]["level"], first_level) << "finer ones are not even fitted";
+    EXPECT_EQ(report["levels"][0]["level"], first_level) << "finer levels must not be fitted";
     const auto measured = [&](const std::string& name) {
       return nlohmann::json::parse(read_bytes(path(name)))["measured_error"];
     };
@@ -123,7 +123,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
     EXPECT_TRUE(contains(verify.out, levels)) << verify.out;
     const ProgramResult info = multum({"info", path("map.ndf.exr")});
     EXPECT_TRUE(contains(info.out, levels)) << info.out;
-    expect_says(info.out, {"beside the normal map"});
+    expect_says(info.out, {"the normal map itself"});
     EXPECT_TRUE(contains(info.out, fmt::format("\"first_level\":{}", first_level))) << info.out;
     const std::string table = result.out.substr(result.out.find("measured error"));
     EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
@@ -216,7 +216,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   }
   for (const auto& [kernel, count] : report["launches"].items()) launches_of_kernels += count.get<std::uint64_t>();
   EXPECT_EQ(launches_of_fit + 2, launches_of_kernels)
-      << "but for two to measure levels and pixels, the start's, binning's and the levels'";
+      << "all launches except for two that measure levels and pixels: those of the start, of binning and of levels";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "unrepresentable"})
@@ -402,7 +402,7 @@ TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
     EXPECT_EQ(text.find_first_of("\r\033"), std::string::npos) << text;
     EXPECT_TRUE(!text.empty() && text.back() == '\n') << text;
   }
-  if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals: pipes alone were tried";
+  if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals; only pipes were tested";
   const ProgramResult shown = run_on_terminal(multum_command(arguments));
   ASSERT_EQ(shown.exit_code, 0) << shown.out;
   for (const char* part : {"\r\033[K[", "%", "fit level ", "map.ndf.exr: written"})
@@ -466,7 +466,7 @@ TEST_F(BakeCommandTest, WhatIsBakedAlreadyIsNotBakedAgain) {
   EXPECT_TRUE(bakes({"--no-measure", "--force"}));
   EXPECT_TRUE(bakes({})) << "the file had no measured error";
   EXPECT_FALSE(bakes({}));
-  EXPECT_FALSE(bakes({"--no-measure"})) << "the file has more than was asked for";
+  EXPECT_FALSE(bakes({"--no-measure"})) << "the file has more data than requested";
   for (const auto& [option, value] : {std::pair("--lobes", "2"), std::pair("--compression", "rle"),
                                       std::pair("--wrap", "clamp"), std::pair("-d", "half")}) {
     EXPECT_TRUE(bakes({option, value})) << option;
@@ -499,10 +499,10 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
     EXPECT_EQ(multum({"verify", path(tile + std::string(".ndf.exr"))}).exit_code, 0);
     EXPECT_EQ(read_movmf_mipmap(path(tile + std::string(".ndf.exr"))).header.provenance.content_hash,
               read_movmf_mipmap(path("map.ndf.exr")).header.provenance.content_hash)
-        << "as if baked alone";
+        << "the same bytes as a separate bake";
     EXPECT_EQ(nlohmann::json::parse(read_bytes(path(tile + std::string(".json"))))["launches"],
               nlohmann::json::parse(read_bytes(path("map.json")))["launches"])
-        << "each report counts its own";
+        << "each report counts its own launches";
   }
   const ProgramResult again = multum({"bake", path("rock_1001.png"), path("rock_1012.png"), "-o", path(""), "-q"});
   EXPECT_EQ(again.exit_code, 0) << again.err;

@@ -169,7 +169,7 @@ TEST_F(BakeManifestCommandTest, FlippedBitsAreDamage) {
   bake_all();
   const std::string whole = read_bytes(path("out/b.ndf.exr"));
   damage("out/b.ndf.exr");
-  EXPECT_EQ(bake().exit_code, 0) << "without --check the header is believed";
+  EXPECT_EQ(bake().exit_code, 0) << "without --check, the header's error counts";
   expect_finding("damaged", {});
   EXPECT_TRUE(read_bytes(path("out/b.ndf.exr")) == whole);
 }
@@ -213,14 +213,14 @@ TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   EXPECT_EQ(check.exit_code, 5) << check.err;
   EXPECT_TRUE(contains(check.err, "1 worse\n  worse    out/b.ndf.exr: ")) << check.err;
   expect_says(check.err, {"level 1", "centre", "blinn-phong:500", "0 %"});
-  EXPECT_EQ(times(), before) << "what is worse is not baked again";
+  EXPECT_EQ(times(), before) << "a worse file is not baked again";
 }
 
 TEST_F(BakeManifestCommandTest, ErrorMaxIsHeld) {
   write_manifest("error_max = 0.01\n");
   const ProgramResult baked = bake();
   EXPECT_EQ(baked.exit_code, 5) << baked.err;
-  EXPECT_TRUE(contains(baked.out, "out/b.ndf.exr: written")) << "it is there to be looked at\n" << baked.out;
+  EXPECT_TRUE(contains(baked.out, "out/b.ndf.exr: written")) << "the worse file stays for inspection\n" << baked.out;
   const auto before = times();
   for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--check"}}) {
     const ProgramResult result = bake(options);
@@ -229,7 +229,7 @@ TEST_F(BakeManifestCommandTest, ErrorMaxIsHeld) {
   }
   EXPECT_EQ(times(), before);
   write_manifest("error_max = 0.99\n");
-  EXPECT_EQ(bake({"--check"}).exit_code, 0) << "what is allowed is no setting of the file";
+  EXPECT_EQ(bake({"--check"}).exit_code, 0) << "the allowed error is not a setting of the file";
   EXPECT_EQ(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
 }
 
@@ -248,7 +248,7 @@ TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
     EXPECT_FALSE(fs::exists(path("out/c.ndf.exr")));
   }
   fs::remove(path("out/a.ndf.exr"));
-  EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "a source that cannot be read goes before a missing file";
+  EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "an unreadable source is reported before a missing file";
 }
 
 // A map that a bake would refuse is failed instead of missing, with the reason, whether or not the bake is tried. In a

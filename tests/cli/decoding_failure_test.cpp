@@ -34,7 +34,7 @@ class DecodingFailureTest : public CliTest {
     write_bytes(output, "an older file");
     const ProgramResult result = run_program(command);
     expect_refusal(result, code, parts);
-    EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "something is left beside it";
+    EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "a file is left in the folder";
     EXPECT_EQ(read_bytes(output), "an older file");
     fs::remove(output);
     return result;

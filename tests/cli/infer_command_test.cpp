@@ -190,7 +190,7 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
       EXPECT_EQ(kept.emplace(texture, time).first->second, time) << texture << " was made again";
     }
     EXPECT_GT(kept.size(), before);
-    EXPECT_LT(kept.size(), kTextures) << "all was done before the signal came";
+    EXPECT_LT(kept.size(), kTextures) << "the run ended before the signal";
   }
   ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
   EXPECT_TRUE(fs::exists(path("out/inferred.json")));
@@ -283,7 +283,7 @@ TEST_F(InferCommandTest, HeldOutViewsAreReported) {
     for (const auto& layer : object["layers"]) {
       SCOPED_TRACE(object["name"].get<std::string>() + ", " + layer["name"].get<std::string>());
       if (layer["name"] != "diffuse") {
-        EXPECT_TRUE(layer["held_out"].is_null()) << "it depends on the view";
+        EXPECT_TRUE(layer["held_out"].is_null()) << "the layer depends on the view";
         continue;
       }
       ASSERT_TRUE(layer["held_out"].is_object());
@@ -327,7 +327,7 @@ TEST_F(InferCommandTest, Refusals) {
   const std::string bytes = read_bytes(radiance);
   write_bytes(radiance, bytes.substr(0, bytes.size() / 2));
   expect_refusal(infer(), kInput, {"rad_v01_p00.exr"});
-  EXPECT_FALSE(fs::exists(path("out/inferred.json"))) << "no manifest of what is not whole";
+  EXPECT_FALSE(fs::exists(path("out/inferred.json"))) << "an incomplete result must have no manifest";
 }
 
 TEST_F(InferCommandTest, CamerasThatDisagreeWithThePicturesAreRefused) {

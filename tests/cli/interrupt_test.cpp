@@ -88,7 +88,7 @@ TEST_F(InterruptTest, Kill9WhileWritingLeavesATemporaryFileThatTheNextBakeRemove
   Program bake(command());
   const std::string temporary = wait_until_writing(bake);
   bake.send(SIGKILL);
-  ASSERT_EQ(bake.wait().signal, SIGKILL) << "no file appeared beside the final name";
+  ASSERT_EQ(bake.wait().signal, SIGKILL) << "no temporary file appeared next to the final name";
   EXPECT_EQ(read_bytes(path("out/map.ndf.exr")), "an older file");
   EXPECT_EQ(temporary.rfind(".multum-tmp-" + std::to_string(bake.pid()) + "-", 0), 0u) << temporary;
   EXPECT_TRUE(temporary.ends_with("-map.ndf.exr")) << temporary;
@@ -122,7 +122,7 @@ TEST_F(InterruptTest, SigintAndSigtermLeaveNothing) {
       const double sent = now();
       bake.send(signal);
       const ProgramResult result = bake.wait();
-      EXPECT_LT(now() - sent, 0.4 * whole) << "takes too long to stop";
+      EXPECT_LT(now() - sent, 0.4 * whole) << "stopping took too long";
       expect_refusal(result, 130, {"cancelled"});
       EXPECT_EQ(result.out, "");
       EXPECT_EQ(names(), std::set<std::string>{"map.ndf.exr"});

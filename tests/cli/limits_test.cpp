@@ -103,7 +103,7 @@ TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
     EXPECT_EQ(run_program({view, path(name), "-o", path("a.png")}).exit_code, kUsage);
   }
   const std::string longest = path("out/" + std::string(251, 'x') + ".png");
-  EXPECT_EQ(multum({"info", longest}).exit_code, kInput) << "not there, but a file might be";
+  EXPECT_EQ(multum({"info", longest}).exit_code, kInput) << "this folder does not exist, but a file could";
 }
 
 // In this home folder neither PoCL's cache nor multum's program cache can be created, not even by root.
@@ -123,7 +123,7 @@ TEST_F(LimitsTest, KernelsThatCannotBeKeptAreCompiledInAPrivateFolder) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   expect_says(result.err, {path("map_normal.png/.cache/multum"), "Not a directory", "MULTUM_CACHE_DIR",
                            path("map_normal.png/.cache/pocl/kcache"), "POCL_CACHE_DIR"});
-  EXPECT_TRUE(std::filesystem::is_empty(path("tmp"))) << "it goes with the program";
+  EXPECT_TRUE(std::filesystem::is_empty(path("tmp"))) << "the private folder is removed with the program";
 }
 
 #ifndef MULTUM_SHADOW_MEMORY  // the sanitizer reserves terabytes

@@ -197,12 +197,12 @@ TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
     const auto json = nlohmann::json::parse(read_bytes(path(report)))["roughness"];
     EXPECT_NEAR(json["mean"].get<double>(), 63.0 / 128.0, 1e-6);
     EXPECT_EQ(json["share_at_0"], 1.0 / 64.0);
-    EXPECT_EQ(json["warnings"].size(), 1u) << "a tenth of it is a mirror";
+    EXPECT_EQ(json["warnings"].size(), 1u) << "a tenth of the map is a mirror";
   }
   EXPECT_FALSE(contains(bake_with("a.ndf.exr", {"--gloss", path("rough.exr")}).out, "unchanged"));
   EXPECT_NE(hash("a.ndf.exr"), hash("b.ndf.exr"));
   EXPECT_EQ(bake_with("a.ndf.exr", {"--gloss", path("gloss.exr"), "--roughness", path("rough.exr")}).exit_code, 2);
-  EXPECT_EQ(bake_with("gloss.exr", {"--gloss", path("gloss.exr")}).exit_code, 2) << "an input is no output";
+  EXPECT_EQ(bake_with("gloss.exr", {"--gloss", path("gloss.exr")}).exit_code, 2) << "an input must not be an output";
   std::ofstream(path("maps.toml")) << "[defaults]\nndf = \"moments\"\ngreen = \"up\"\nroughness = \"rough.exr\"\n"
                                       "[[map]]\ninput = \"map_normal.png\"\noutput = \"c.ndf.exr\"\n"
                                       "gloss = \"gloss.exr\"\n";

@@ -259,7 +259,7 @@ TEST_F(MomentsCommandTest, UnsignedMapsAreDecodedWhereMaketxTakesThemForSigned) 
   ASSERT_EQ(run_program({"maketx", "--bumpslopes", "-d", "float", path("unsigned.png"), "-o", path("x.exr")}).exit_code,
             0);
   EXPECT_GT(std::abs(read_first_part(path("x.exr"), 6).back()[1] - from_signed[1]), 0.3f)
-      << "mended? say so in the docs";
+      << "maketx no longer has this fault; update the docs";
 }
 
 }  // namespace

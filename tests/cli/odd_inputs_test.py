@@ -42,10 +42,10 @@ class Run:
         case.output = self.path(os.path.join("out", f"{number:03}.ndf.exr"))
         files = [(case.file, case.data)]
         case.arguments = list(case.options)
-        for i, beside in enumerate(case.beside):
-            name = f"{number:03}_beside{i}.{beside.extension}"
-            files.append((name, beside.data))
-            case.arguments += [beside.option, self.path(name) + (":" + beside.channel if beside.channel else "")]
+        for i, more in enumerate(case.beside):
+            name = f"{number:03}_more{i}.{more.extension}"
+            files.append((name, more.data))
+            case.arguments += [more.option, self.path(name) + (":" + more.channel if more.channel else "")]
         for name, data in files:
             with open(self.path(name), "wb") as file:
                 file.write(data)
@@ -124,7 +124,7 @@ def verdict(case):
     wrong = [f"no warning has '{words}'" for words in case.warns
              if not any("warning: " in line and words in line for line in case.lines)]
     if not worst <= case.tolerance:
-        wrong.append(f"differs by {worst:.3g}, at most {case.tolerance:g}")
+        wrong.append(f"differs by {worst:.3g}, expected at most {case.tolerance:g}")
     return "warned" if case.warns else "held", worst, "; ".join(wrong)
 
 
@@ -132,8 +132,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("--seed", type=int, default=320)
-    parser.add_argument("--only", default="", help="kinds that have this word in their names")
-    parser.add_argument("--keep", help="write inputs and results into this folder, and leave them there")
+    parser.add_argument("--only", default="", help="run only kinds whose names contain this word")
+    parser.add_argument("--keep", help="keep inputs and results in this folder")
     arguments = parser.parse_args()
     print(f"seed {arguments.seed}")
     cases = generated(random.Random(arguments.seed))

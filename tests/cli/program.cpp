@@ -178,7 +178,7 @@ void check_message(const std::vector<std::string>& arguments, const std::string&
   if (line.starts_with("warning: ")) {
     const std::string subject = line.substr(9, line.find(": ", 9) - 9);
     EXPECT_TRUE(subject.find_first_of("/.") != std::string::npos || subject == "OpenCL" || subject == "GL")
-        << "a warning that names no file: " << line;
+        << "this warning names no file: " << line;
   }
   std::string given;
   for (const std::string& argument : arguments) given += argument + " ";

@@ -90,7 +90,7 @@ TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
     const ProgramResult resumed = run_program(command(again));
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
     EXPECT_GT(rows_resumed(), 100u);
-    EXPECT_EQ(content_hash(), whole) << "pixels differ from those of a bake that was not killed";
+    EXPECT_EQ(content_hash(), whole) << "pixels differ from those of an undisturbed bake";
     EXPECT_FALSE(std::filesystem::exists(partial()));
     std::filesystem::remove(path("map.ndf.exr"));
   }

@@ -226,7 +226,7 @@ TEST_F(SceneCommandTest, AFlatWallIsOneTexel) {
   EXPECT_EQ(names(report["launches"]), (std::vector<std::string>{"mip_blocks", "mip_features", "mip_levels"}));
   EXPECT_EQ(names(report["builds"]), std::vector<std::string>{"mip_box"});
   EXPECT_EQ(report["bytes"], 8.0);
-  EXPECT_FALSE(is_compared(report)) << "a bound of the map itself is known";
+  EXPECT_FALSE(is_compared(report)) << "a bound for the map itself must be stated";
 }
 
 TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
@@ -244,7 +244,7 @@ TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
 TEST_F(SceneCommandTest, OneFarObjectFitsNoFineLevels) {
   const Json report = hold_to_default({.name = "far", .distance = "60, 80"});
   EXPECT_TRUE(has_em(report));
-  EXPECT_FALSE(is_compared(report)) << "levels that are left out change no other";
+  EXPECT_FALSE(is_compared(report)) << "omitted levels must not change other levels";
   for (const auto& [kernel, count] : report["launches"].items()) EXPECT_NE(kernel, "movmf_level_zero");
   EXPECT_FALSE(report["builds"].contains("movmf_level_zero"));
   EXPECT_GT(report["bytes_saved"], 0.0);
@@ -259,7 +259,7 @@ TEST_F(SceneCommandTest, ColoursThatKnowNoSlopesAreOneATexel) {
                                        .material = "brdf = \"blinn-phong\"\nexponent = 20\n",
                                        .difference_max = 0.008});
   EXPECT_TRUE(has_em(report));
-  EXPECT_FALSE(report["builds"].contains("movmf_features")) << "no colours are shared out among lobes";
+  EXPECT_FALSE(report["builds"].contains("movmf_features")) << "no kernel may distribute colours among lobes";
   EXPECT_TRUE(fs::exists(path("colour/wall.colours.exr")));
 }
 
@@ -325,7 +325,7 @@ TEST_F(SceneCommandTest, ARunGoesOnWhereItWas) {
   EXPECT_EQ(fs::last_write_time(path("out/wall.ndf.exr")), time);
   EXPECT_EQ(json("out/report.json")["launches"], Json::object());
   row["unchanged"] = true;
-  EXPECT_EQ(json("out/report.json")["maps"][0], row) << "what is known of it stays";
+  EXPECT_EQ(json("out/report.json")["maps"][0], row) << "the measured errors must stay";
   ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q", "--force"}).exit_code, 0);
   EXPECT_NE(fs::last_write_time(path("out/wall.ndf.exr")), time);
 }
@@ -421,7 +421,7 @@ TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   const auto [lobes, error] = lobes_and_error(fmt::format("target_error = {}\n", 3.0));
   EXPECT_EQ(lobes, 1);
   ASSERT_GT(estimate, 0.0) << "no such candidate";
-  ASSERT_LT(estimate, 0.9 * error) << "the target between them would say nothing";
+  ASSERT_LT(estimate, 0.9 * error) << "a target between them would test nothing";
   const double target = 0.5 * (estimate + error);
   const auto [more, better] = lobes_and_error(fmt::format("target_error = {}\n", target));
   EXPECT_GT(more, 1);
@@ -483,7 +483,7 @@ TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
     return map["chosen"]["lobes"].get<int>();
   };
   const std::string rough = "brdf = \"roughness-map\"\n", keys = "roughness = \"rough.png:R\"";
-  EXPECT_EQ(lobes("flat", keys, rough, "material = \"paint\""), 1) << "of a flat map one roughness is one lobe";
+  EXPECT_EQ(lobes("flat", keys, rough, "material = \"paint\""), 1) << "a flat map with one roughness needs one lobe";
   EXPECT_GT(lobes("four", keys, rough, "material = \"paint\""), 1);
   const std::string two =
       "brdf = \"lambert\"\n[[material]]\nname = \"shine\"\nbrdf = \"blinn-phong\"\nexponent = 100\n";

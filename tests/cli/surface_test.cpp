@@ -60,7 +60,7 @@ TEST_F(SurfaceCommandTest, OfWhiteNoiseTheVarianceIsFourNinths) {
   bake("surface.ndf.exr", {"--surface", "interpolated", "--no-measure"});
   EXPECT_NEAR(spread("surface.ndf.exr") / spread("texels.ndf.exr"), 4.0 / 9.0, 0.02);
   const MovmfMipmap map = read_movmf_mipmap(path("surface.ndf.exr"));
-  EXPECT_EQ(map.header.first_level, 1) << "level 0 is the normal map's";
+  EXPECT_EQ(map.header.first_level, 1) << "level 0 comes from the normal map";
   const nlohmann::json settings = nlohmann::json::parse(map.header.provenance.settings);
   EXPECT_EQ(settings.value("surface", ""), "interpolated");
 }
@@ -223,9 +223,9 @@ TEST_F(SurfaceCommandTest, ColoursAreTakenAtTheSamePoints) {
       sum += static_cast<double>(lobe.x / lobe.w * (colour.z - colour.x));
       mean += static_cast<double>(colour.x + colour.z), texels += static_cast<double>(lobe.w);
     }
-  EXPECT_NEAR(mean / texels, 1.0, 0.01) << "red and blue add up to what they were";
-  EXPECT_GT(sum / texels, 0.17) << "what leans right is blue";
-  EXPECT_LT(sum / texels, 0.21) << "colours of the texels themselves are further apart";
+  EXPECT_NEAR(mean / texels, 1.0, 0.01) << "the sum of red and blue must stay";
+  EXPECT_GT(sum / texels, 0.17) << "facets that lean right are blue";
+  EXPECT_LT(sum / texels, 0.21) << "the texels' own colours differ more";
 }
 
 }  // namespace

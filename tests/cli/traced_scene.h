@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a folder of ray-traced pictures: a patterned ground and a glossy board that stands on it, seen from two views
+// Makes a folder of ray-traced pictures: a patterned ground and a glossy upright board, seen from two views
 // under two lights. Every radiance is a formula of point, light and eye, so the expected result of texture inference is
 // known.
 #pragma once

@@ -32,8 +32,8 @@ bool has_more_error(const nlohmann::json& a, const nlohmann::json& b) {
          std::hypot(a.at("confidence_95").get<double>(), b.at("confidence_95").get<double>());
 }
 
-// Returns whether a row is off the front: another row is no worse in bytes and in error (beyond both intervals), and
-// better in one of the two.
+// Returns whether a row is off the front: another row is at least as good in bytes and in error (beyond both
+// intervals), and better in one of the two.
 bool is_beaten(const nlohmann::json& one, const nlohmann::json& rows) {
   return std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& other) {
     return other.at("gpu_bytes") <= one.at("gpu_bytes") && !has_more_error(other, one) &&
@@ -59,7 +59,7 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   EXPECT_LE(chosen.at("relative_l1").get<double>() + chosen.at("confidence_95").get<double>(), 0.3);
   const std::string page = read_bytes(path("costs.html"));
   EXPECT_FALSE(contains(page, "src=\"http") || contains(page, "href=") || contains(page, "import "))
-      << "the page is whole by itself";
+      << "the page must be complete without other files";
   // The page holds all data of the JSON.
   const nlohmann::json data = page_data(page);
   for (const auto& [key, value] : json.items()) EXPECT_EQ(data[key], value) << key;
@@ -68,7 +68,7 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   if (!shown) GTEST_SKIP() << "no Chromium";
   EXPECT_TRUE(contains(*shown, chosen.at("command").get<std::string>())) << chosen.at("command");
   for (const char* part : {"<svg", "<polyline", "class=\"sortable\"", "For an error of 30 %", "</html>",
-                           "What accuracy costs: map_normal.png</h1>"})
+                           "accuracy costs: map_normal.png</h1>"})
     EXPECT_TRUE(contains(*shown, part)) << part;
   for (const char* part : {"NaN", "Infinity", "undefined", "null"}) EXPECT_FALSE(contains(*shown, part)) << *shown;
 }

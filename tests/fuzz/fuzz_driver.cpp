@@ -82,7 +82,7 @@ int drive(const std::string& findings, double seconds, std::uint64_t seed) {
   std::uint64_t count = 0;
   for (; std::chrono::duration<double>(Clock::now() - start).count() < seconds; ++count)
     try_input(mutator.mutate(inputs[mutator.below(inputs.size())]));
-  std::printf("%zu seeds, %zu findings of before, %llu mutations of seed %llu: none crashed\n", seed_count,
+  std::printf("%zu seeds, %zu earlier findings, %llu mutations with seed %llu: no crash\n", seed_count,
               inputs.size() - seed_count, static_cast<unsigned long long>(count),
               static_cast<unsigned long long>(seed));
   return inputs.empty() ? 1 : 0;

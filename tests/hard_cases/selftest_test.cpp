@@ -104,7 +104,7 @@ TEST(SelftestRegistry, CasesSayWhatTheyAre) {
     EXPECT_TRUE(names.insert(c.text.name).second) << c.text.name << " is there twice";
     EXPECT_EQ(c.text.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-"), std::string::npos) << c.text.name;
     EXPECT_EQ((c.without.empty() ? 0 : 1) + (c.naive ? 1 : 0) + (c.mutation.empty() ? 0 : 1), 1)
-        << c.text.name << " has to show that it can fail, one way";
+        << c.text.name << " must prove in exactly one way that it can fail";
     EXPECT_EQ(fault_of_guards(c.without), "") << c.text.name;
     for (const std::string& text :
          {c.text.formula, c.text.without_guard, c.text.guard, c.text.unit, c.text.bound_reason})
@@ -121,7 +121,7 @@ TEST(SelftestRegistry, EditsAreOneCasesOwn) {
       std::string key = c.text.formula;
       for (const SourceEdit& edit : edits) key += "\n" + edit.file + "\n" + edit.text + "\n" + edit.replacement;
       const auto [owner, is_new] = owners.emplace(key, c.text.name);
-      EXPECT_TRUE(is_new) << c.text.name << " is shown by the edit of " << owner->second;
+      EXPECT_TRUE(is_new) << c.text.name << " uses the same edit as " << owner->second;
     };
     for (const SourceEdit& guard : c.without) claim({guard});
     if (!c.mutation.empty()) claim(c.mutation);
@@ -155,7 +155,7 @@ TEST(SelftestRegistry, IsWhatThePageHas) {
   std::vector<std::string> of_page = cases_of_page(page.substr(0, page.find("\n## movmf_shading.glsl")));
   std::sort(names.begin(), names.end());
   std::sort(of_page.begin(), of_page.end());
-  EXPECT_EQ(of_page, names) << "docs/contributing/STABILITY.md says how it is made again";
+  EXPECT_EQ(of_page, names) << "docs/contributing/STABILITY.md says how to make the page again";
 }
 
 TEST(SelftestRegistry, TopicsNameWhatThereIs) {

@@ -16,7 +16,8 @@ const { inFolder, run, complaints } = look;
 // A small window, because drawing a picture takes long on a processor.
 const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240, height: 600, ...more });
 mkdirSync(screenshots, { recursive: true });
-// Of 255: multum look's page has lobes in BC5 and 8-bit normals; the decoded file has half floats and full normals.
+// In units of 1/255: multum look's page has lobes in BC5 and 8-bit normals; the decoded file has half
+// floats and full normals.
 const CLOSE = 8;
 const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
 const SAME_MOST = 0.5; // compared with lobes that are half floats there too
@@ -96,7 +97,7 @@ try {
   assert.match(await factsOf(kept), /128 x 128, 4 lobes/);
   await kept.evaluate(() => { location.hash = "map=40"; });
   await settled(kept);
-  assert.equal((await viewOf(kept)).map, 1, "an address of a stranger is clamped");
+  assert.equal((await viewOf(kept)).map, 1, "values of a foreign address must be clamped");
   // The picture equals that of the page of this map only, which reads the map instead of level 0.
   const page = await open("map.html");
   const same = await apart(page, kept, "left=export&right=lobes&map=1");
@@ -117,7 +118,7 @@ try {
       close).toFixed(1)} %; beside halfs ${same.mean.toFixed(3)}`);
     assert.ok(brightest > 100, `${hash} is dark`);
     assert.ok(mean <= MEAN_MOST && close > CLOSE_LEAST, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
-    assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} beside halfs`);
+    assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} against half floats`);
   }
   // The lobes equal those of multum export --texels rgba16f, except for the rounding of float and double sums.
   const [count, far] = await other.evaluate((base64) => {
@@ -130,7 +131,7 @@ try {
     return [pairs.length, pairs.filter((one) => one > 2 ** -16).length];
   }, bytesOf("halves.ktx2").toString("base64"));
   assert.equal(count, 4 * 4 * (64 * 64 * 4 - 1) / 3);
-  assert.ok(far < count / 1000, `${far} of ${count} halfs are off`);
+  assert.ok(far < count / 1000, `${far} of ${count} half floats differ`);
   // The dropped file is now in the list, next to the page's own maps.
   assert.equal(await other.locator("#map option").last().textContent(), "map.ndf.exr (dropped)");
   await other.selectOption("#map", "0");
@@ -176,7 +177,7 @@ try {
     assert.equal(await dropped(other, "map_normal.png"), "");
     assert.match(await factsOf(other), /128 x 128, 1 lobe\./);
     const { mean } = await apart(full, other, "left=mip&split=1");
-    console.log(`  a map of 8 bits whose green is ${green}: mean difference ${mean.toFixed(3)} of 255`);
+    console.log(`  8-bit map with green ${green}: mean difference ${mean.toFixed(3)} of 255`);
     assert.ok(mean < MEAN_MOST, `green ${green}: mean ${mean}`);
   }
   assert.equal(await dropped(other, "map_normal.png", "rest.ndf.exr"), "");

@@ -134,7 +134,7 @@ try {
     assert.equal(await drop(page, ["square.glb", square({ isFlat })]), "");
     for (const [i, hash] of views.entries()) {
       const drawn = await at(hash);
-      assert.notEqual(drawn, planes[i], "beside the square there is nothing");
+      assert.notEqual(drawn, planes[i], "around the square the picture must be empty");
       const { mean, count, brightest } = await apart(page, planes[i]);
       console.log(`  ${hash}: mean difference ${mean.toFixed(3)} of 255 over ${count} values`);
       assert.ok(count > 5000 && brightest > 60, `${count} values, ${brightest}`);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walks through multum look's page in headless Chromium: pictures compared with multum-view's, every control, keys,
-// touch, the address, dropped lobe textures, damaged files, 360 px, light and dark. Exit code 77: skipped.
+// Walks through multum look's page in headless Chromium: pictures compared with those of multum-view, every control,
+// keys, touch, the address, dropped lobe textures, damaged files, 360 px, light and dark. Exit code 77: skipped.
 // look_files_test.mjs tests the other files.
 //
 //   node look_page_test.mjs BIN_FOLDER SCREENSHOTS

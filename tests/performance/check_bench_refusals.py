@@ -69,7 +69,7 @@ def check_cancelling(folder):
     run = subprocess.Popen([PROGRAM, "bake", "--size", "16", "--repetitions", "1000", "--folder", str(folder)],
                            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     while not any(folder.iterdir()):
-        assert run.poll() is None, "it ended before it made a folder"
+        assert run.poll() is None, "the program ended before it made a folder"
         time.sleep(0.01)
     run.send_signal(signal.SIGTERM)
     message = run.communicate()[1]

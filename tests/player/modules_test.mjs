@@ -245,7 +245,7 @@ const steps = {
             store.put(key, { bytes });
             held += bytes;
           }
-          for (const one of before) assert.ok(store.has(one), "what is needed has gone");
+          for (const one of before) assert.ok(store.has(one), "a needed texture was released");
         }
         assert.ok(store.bytes <= store.budget && store.bytes === held, `${store.bytes}, ${held} of ${store.budget}`);
       }
@@ -256,7 +256,7 @@ const steps = {
     for (const key of ["a", "b"]) store.put(key, { bytes: 5 });
     store.get("a");
     assert.ok(store.makeRoom(5, () => false));
-    assert.deepEqual([store.has("a"), store.has("b")], [true, false], "the least recently used goes first");
+    assert.deepEqual([store.has("a"), store.has("b")], [true, false], "the least recently used must go first");
   },
 
   pathsGoThroughTheirPositions() {
@@ -290,7 +290,7 @@ const steps = {
       }
       return sides;
     };
-    assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "fast: as finely as there is");
+    assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "a fast machine uses the finest images");
     const slow = move(30, 40); // 490 ms at first: fewer than 3 frames per second
     assert.equal(slow.at(-1), 1);
     assert.ok(slow.indexOf(1) < 10, `${slow}`);

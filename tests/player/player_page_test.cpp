@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Players that `multum pack` and `multum player` write: their contents, refusals, and in headless Chromium
-// (player_test.mjs) their pictures compared with multum-view's, controls, memory, and damage of every kind.
+// (player_test.mjs) their pictures compared with those of multum-view, controls, memory, and damage of every kind.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 

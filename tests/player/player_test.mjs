@@ -43,7 +43,7 @@ async function openPage(url, { width = 1280, height = 800, colorScheme = "light"
       complaints.push(message.text());
   });
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("dialog", (dialog) => complaints.push(`a script of a stranger says ${dialog.message()}`));
+  page.on("dialog", (dialog) => complaints.push(`a foreign script says ${dialog.message()}`));
   page.on("request", (request) => {
     if (!/^(data|blob|file):/.test(request.url()) && !request.url().startsWith(server.url))
       complaints.push(`a request to ${request.url()}`);
@@ -161,7 +161,7 @@ const steps = {
     assert.ok(asked.length >= 3 && asked.every((range) => range !== undefined), asked.join(" "));
     const fetched = asked.map((range) => /(\d+)-(\d+)/.exec(range).slice(1).map(Number))
       .reduce((sum, [first, last]) => sum + last - first + 1, 0);
-    assert.ok(fetched < farApart.length / 2, `${fetched} of ${farApart.length} bytes were asked for`);
+    assert.ok(fetched < farApart.length / 2, `${fetched} of ${farApart.length} bytes were requested`);
     await close(page);
   },
 
@@ -325,7 +325,7 @@ const steps = {
       await page.evaluate(() => globalThis.multumPlayer.say("a problem, as it is shown"));
       await noSideways(page);
       const { count, found } = await lowContrasts(page);
-      assert.ok(count > 40, `${count} texts were looked at`);
+      assert.ok(count > 40, `${count} texts were checked`);
       assert.deepEqual(found, []);
       await shoot(page, `${name}_open`);
       await close(page);
@@ -343,7 +343,7 @@ const steps = {
         const style = getComputedStyle(around);
         return [element.id || element.tagName, style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
       });
-      if (name !== "BODY") assert.ok(isSeen, `no focus is seen on ${name}`);
+      if (name !== "BODY") assert.ok(isSeen, `no visible focus on ${name}`);
       seen.push(name);
     }
     const places = ["open", "stage", "play", "record", "full-screen", "pad", "parameter-0", "parameter-1"];
@@ -599,7 +599,7 @@ const steps = {
       `${found.misses} misses, ${found.peak} of ${budget} bytes at most; JavaScript's heap ${before} before, ` +
       `${after} after; decoders ${found.workers}`);
     assert.ok(found.peak <= budget && found.most <= budget, `${found.peak} bytes, the budget is ${budget}`);
-    assert.ok(found.evictions > 0, "the budget holds all of it");
+    assert.ok(found.evictions > 0, "the budget is enough for all images");
     assert.ok(after < before * 1.15 + 2e5, `the heap has grown from ${before} to ${after}`);
     assert.ok(found.workers < 200e6);
     await comparePictures(page, expected.slice(0, 1));

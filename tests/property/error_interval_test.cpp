@@ -116,8 +116,8 @@ class Coverage {
     }
     const double share = static_cast<double>(all.held) / all.all;
     std::printf(
-        "%-22s %5.1f %% of %d intervals held, at worst %5.1f %% (%s); half widths %.1f %% of the error, mean "
-        "square of standard errors %.2f\n",
+        "%-22s %5.1f %% of %d intervals contain the error, at worst %5.1f %% (%s); half widths %.1f %% of the error, "
+        "mean square in standard errors %.2f\n",
         name.c_str(), 100.0 * share, all.all, 100.0 * least, worst.c_str(), 100.0 * width / all.all,
         all.squares / all.all);
     return {share, least};

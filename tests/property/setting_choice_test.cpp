@@ -122,7 +122,7 @@ TEST(SettingChoice, TakesTheCheapestForAFlatMap) {
   const BakeSource source = source_of(map);
   SettingTrials trials = trials_of(source, "blinn-phong:100");
   EXPECT_EQ(chosen(trials, 0.01), trials.candidates().front().options);
-  EXPECT_EQ(trials.made().size(), 1u) << "more was tried than needed";
+  EXPECT_EQ(trials.made().size(), 1u) << "more settings were tried than needed";
 }
 
 // Chooses as many lobes as needed and no more: the four quarters have one, two and many directions.
@@ -229,7 +229,7 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
     MovmfMeter meter(mipmap, false, settings);
     for (int l = 0; l < static_cast<int>(mipmap.levels.size()); ++l)
       meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
-    EXPECT_TRUE(meter.run(test_device(), normals, nullptr, nullptr).empty()) << "no table was asked for";
+    EXPECT_TRUE(meter.run(test_device(), normals, nullptr, nullptr).empty()) << "no table was requested";
     ASSERT_EQ(meter.footprint_errors().size(), 2u);
     const FootprintError whole = meter.footprint_errors().front();
     EXPECT_EQ(whole.brdf, AccuracyBrdf::blinn_phong(100.0));
@@ -246,7 +246,7 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
       squares += std::pow(off / sampled.confidence * 1.96, 2.0);
     }
     EXPECT_GE(held, least_held(kSeeds));
-    EXPECT_LT(width, 0.25 * whole.error) << "so wide that it says nothing";
+    EXPECT_LT(width, 0.25 * whole.error) << "the interval is too wide to be useful";
     held_of_all += held;
     all += kSeeds;
   }

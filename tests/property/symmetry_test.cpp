@@ -224,11 +224,11 @@ TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
     const auto fixed = measure_accuracy(test_device(), b, other, settings_for(layouts().back()), nullptr);
     const ErrorDifference moved = error_difference(plain, turned), under_fixed = error_difference(plain, fixed);
     std::printf(
-        "%-22s %-20s errors differ by at most %.2f points, %.1f %% of themselves, their means by %.1f %%; under "
-        "lights that stay by %.2f points, %.0f %%, %.0f %%\n",
+        "%-22s %-20s errors differ by at most %.2f percentage points, %.1f %% of the error, means by %.1f %%; under "
+        "unchanged lights by %.2f percentage points, %.0f %%, %.0f %%\n",
         name, layout().name, 100.0 * moved.most, 100.0 * moved.most_of_error, 100.0 * moved.mean,
         100.0 * under_fixed.most, 100.0 * under_fixed.most_of_error, 100.0 * under_fixed.mean);
-    EXPECT_GT(compare(layout(), a, b).lobes, 30.0 * kStep) << name << ": say so in docs/contributing/ALGORITHMS.md";
+    EXPECT_GT(compare(layout(), a, b).lobes, 30.0 * kStep) << name << ": update docs/contributing/ALGORITHMS.md";
     EXPECT_LT(moved.most_of_error, kErrorsDiffer) << name;
     EXPECT_LT(moved.mean, kMeansDiffer) << name;
   }

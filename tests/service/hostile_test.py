@@ -155,7 +155,7 @@ class HostileTest(ClientCase):
     def test_without_memory_a_request_fails_and_not_the_daemon(self):
         service = self.start()
         if is_sanitized(service.process.pid):
-            self.skipTest("a sanitizer ends programs that have no memory")
+            self.skipTest("a sanitizer ends programs that run out of memory")
         with open(f"/proc/{service.process.pid}/status", encoding="utf-8") as file:
             status = file.read()
         now = int(next(row for row in status.splitlines() if row.startswith("VmSize:")).split()[1]) << 10
@@ -235,7 +235,7 @@ class HostileTest(ClientCase):
         self.assertIn(b"event: missed", text)
         last = int(text.rsplit(b"\nid: ", 1)[1].split()[0])
         _, text = self.said(b"GET /v1/events HTTP/1.1\r\n" + HOST + b"Last-Event-ID: 0\r\n\r\n", timeout=1, ends=False)
-        self.assertNotIn(b"event: missed", text, "0 asks for all that are kept, and all are")
+        self.assertNotIn(b"event: missed", text, "0 requests all kept events, and all must come")
         self.assertIn(b"event: job", text)
         self.assertEqual(service.stop(), 0)
         service.start()

@@ -49,7 +49,7 @@ class JobFilesTest(ClientCase):
         os.remove(self.output("a.ndf.exr"))
         os.remove(self.output("b.ndf.exr"))
         made = service.wait_for(service.submit(**again))
-        self.assertIsNone(made["reused_from"], "there was nothing left to take it from")
+        self.assertIsNone(made["reused_from"], "no earlier result was left to copy")
         status, data = service.ask("GET", f"/v1/jobs/{made['id']}/result")
         self.assertEqual(status, 200)
         with open(self.output("a.ndf.exr"), "rb") as file:
@@ -81,7 +81,7 @@ class JobFilesTest(ClientCase):
             shutil.move(self.output(moved), target)
             os.symlink(target, self.output(moved))
             done, again = made(name)
-            self.assertIsNone(done["reused_from"], "what lies behind a link is nobody's result")
+            self.assertIsNone(done["reused_from"], "a file behind a link does not count as a result")
             self.assertEqual((done["attempt"], again), (1, data))
         self.refused(409, "no_result", ["link"], "GET", "/v1/jobs/1/result")
 
@@ -132,7 +132,7 @@ class JobFilesTest(ClientCase):
             self.assertIn("/f\ueff6lder/", answer["path"])
             bad = service.wait_for(service.submit(type="bake", parameters={"input": answer["path"]},
                                                   output="a.ndf.exr", attempt_max=1))
-            self.assertIn("f\ueff6lder", bad["message"], "it was found, and is no picture")
+            self.assertIn("f\ueff6lder", bad["message"], "the file was found, but is not a picture")
             service.wait_for(self.drill(output="b.txt"))
             self.assertEqual(service.ask("GET", "/v1/jobs?limit=5")[0], 200)
             self.assertEqual(service.stop(), 0)
@@ -197,7 +197,7 @@ class JobFilesTest(ClientCase):
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200, "the same is there")
         subprocess.run([MULTUM, "testmap", "--size", "16", os.path.join(service.root, "q")], check=True,
                        capture_output=True)
-        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 201, "a map that it names is another")
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 201, "a map of the scene has changed")
         with open(scene, "w", encoding="utf-8") as file:
             file.write("[[map]]\n")
         self.refused(400, "input", ["scene.toml:1: ", "map", "name"], "POST", "/v1/jobs",
@@ -212,7 +212,7 @@ class JobFilesTest(ClientCase):
         manifest = self.output("field/inferred.json")
         with open(manifest, encoding="utf-8") as file:
             geometry = json.load(file)["geometry"]
-        self.assertEqual(geometry, os.path.realpath(self.output("quad.obj")), "found from wherever it is published")
+        self.assertEqual(geometry, os.path.realpath(self.output("quad.obj")), "found from every output folder")
         self.assertIn("succeeded", self.client("submit", "pack", manifest, "-o", self.output("field.mpt"), "--lambda",
                                                "20", "--wait"))
         self.assertIn("lambda 20", self.client("tail", "2"))
@@ -359,7 +359,7 @@ class JobFilesTest(ClientCase):
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/a%20b.png")
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/.hidden")
 
-    @unittest.skipUnless(shutil.which("curl"), "curl is not there, which the page's commands use")
+    @unittest.skipUnless(shutil.which("curl"), "curl is not installed; the page's commands use it")
     def test_the_commands_of_the_page_run_as_they_stand(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("rock")], check=True, capture_output=True)
@@ -450,7 +450,7 @@ class JobFilesTest(ClientCase):
         self.assertEqual(headers["Content-Disposition"],
                          "attachment; filename=\"b__ked.tar\"; filename*=UTF-8''b%C3%A4ked.tar")
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
-            self.assertEqual(sorted(archive.getnames()), sorted(expected), "what was published, and nothing else")
+            self.assertEqual(sorted(archive.getnames()), sorted(expected), "exactly the published files")
             for name, path in expected.items():
                 with open(path, "rb") as file:
                     self.assertEqual(archive.extractfile(name).read(), file.read(), name)

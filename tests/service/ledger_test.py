@@ -75,19 +75,19 @@ class LedgerTest(ClientCase):
         service.options.append("--new-ledger")
         service.start()
         new = self.drill()
-        self.assertGreater(new, old, "an old job's log would be a new one's")
+        self.assertGreater(new, old, "the log of an old job would become that of a new one")
         service.wait_for(new)
         service.process.send_signal(signal.SIGHUP)
         service.wait_for_log("read again")
         self.client("purge", str(new))
         service.stop()
         service.start(wait=False)
-        self.assertEqual(service.process.wait(30), 2, "a ledger that is there is not forgotten")
+        self.assertEqual(service.process.wait(30), 2, "an existing ledger must not be forgotten")
         service.options.remove("--new-ledger")
         service.start()
         self.assertEqual(self.drill(), new + 1)
         with open(result, encoding="utf-8") as file:
-            self.assertEqual(file.read(), "kept\n", "its ledger may come back")
+            self.assertEqual(file.read(), "kept\n", "the removed ledger may come back")
         self.assertTrue(os.path.exists(os.path.join(service.data, "logs", f"{old}.log")))
 
     def test_a_ledger_that_is_taken_away_meanwhile_is_an_alarm(self):

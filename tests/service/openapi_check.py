@@ -51,12 +51,12 @@ class OpenapiCheck:
         name = f"{method.upper()} {target[:100]} -> {status}"
         self.seen.add((method, template, status))
         if operation is None:
-            assert status in (400, 403, 404, 405), f"{name}: is in no description, expected 403, 404 or 405"
+            assert status in (400, 403, 404, 405), f"{name}: is not described, expected 403, 404 or 405"
             schema, kind = {"$ref": "#/components/schemas/Refusal"}, "application/json"
         else:
             responses = operation["responses"]
             response = responses.get(str(status)) or responses.get(f"{status // 100}XX")
-            assert response is not None, f"{name}: is no status of {sorted(responses)}"
+            assert response is not None, f"{name}: found an undescribed status, expected one of {sorted(responses)}"
             content = self.resolved(response).get("content", {})
             kind = headers.get("Content-Type", "")
             assert kind in content, f"{name}: is {kind!r}, expected one of {sorted(content)}"

@@ -7,7 +7,7 @@ export const NARROW = [{ viewport: { width: 320, height: 640 }, deviceScaleFacto
 
 /**
  * What is wrong within `root`, in words; [] where nothing is. Parts of what scrolls sideways, as wide tables do, and
- * inputs, whose texts browsers lay out, are passed over.
+ * inputs, whose texts browsers lay out, are skipped.
  */
 export const misplaced = (page, root = "body") => page.evaluate((selector) => {
   const top = document.querySelector(selector);
@@ -31,7 +31,7 @@ export const misplaced = (page, root = "body") => page.evaluate((selector) => {
     if (!isShown(element)) continue;
     const { left, right } = element.getBoundingClientRect();
     if ((left < -0.5 || right > width + 0.5) && !scrolls(element))
-      found.add(`${nameOf(element)} lies at ${Math.round(left)} to ${Math.round(right)} px of ${width}`);
+      found.add(`${nameOf(element)} is at ${Math.round(left)} to ${Math.round(right)} px of ${width}`);
     if (element.scrollWidth > element.clientWidth + 1 && element.clientWidth > 0 &&
         /hidden|clip/.test(getComputedStyle(element).overflowX))
       found.add(`${nameOf(element)} is cut: ${element.scrollWidth} px in ${element.clientWidth}`);

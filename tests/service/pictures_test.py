@@ -119,7 +119,7 @@ class PicturesTest(ServiceCase):
         job = self.bake()
         self.assertEqual(self.ask(job, "render")[0], 200)
         shutil.rmtree(os.path.join(service.data, "pictures"))
-        self.assertEqual(self.ask(job, "render")[0], 200, "the folder is made again")
+        self.assertEqual(self.ask(job, "render")[0], 200, "the folder must be made again")
         shutil.rmtree(os.path.join(service.data, "pictures"))
         service.stop()
         # A limit below the size of the pictures.
@@ -128,7 +128,7 @@ class PicturesTest(ServiceCase):
         service.start()
         status, answer = self.ask(job, "render")
         self.assertEqual((status, answer["error"]["code"]), (507, "quota"), answer)
-        self.assertEqual(self.folders(), [], "what has no room is not kept")
+        self.assertEqual(self.folders(), [], "pictures without room must not be kept")
 
     def pack(self):
         write_animation(self.service.root, 0.25)
@@ -276,10 +276,10 @@ class PicturesTest(ServiceCase):
             thread.join()
         self.assertEqual({status for status, _ in answers}, {404})
         self.assertIn("signal 11", answers[0][1]["error"]["message"])
-        self.assertLess(healthy, 0.9, "health waits for no child")
+        self.assertLess(healthy, 0.9, "/healthz must not wait for a child")
         self.refused(job, "input", "signal 11")
         with open(os.path.join(cache, "begun"), encoding="utf-8") as file:
-            self.assertEqual(len(file.read()), 2, "one child for all who ask, and none for who asks later")
+            self.assertEqual(len(file.read()), 2, "one child serves all requests, later ones too")
         # A restarted daemon tries once more.
         service.stop()
         service.start()
@@ -317,7 +317,7 @@ class PicturesTest(ServiceCase):
 
         while is_there() and time.monotonic() < deadline:
             time.sleep(0.02)
-        self.assertFalse(is_there(), "it goes on for its minute")
+        self.assertFalse(is_there(), "the child must run on for its minute")
 
     def test_a_child_that_hangs_keeps_nobody_from_ending(self):
         service, thread, _ = self.ask_of_a_viewer_that_hangs()

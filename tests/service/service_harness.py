@@ -141,7 +141,7 @@ class Service:
             job = self.job(number)
             if job["state"] in states:
                 return job
-            assert time.monotonic() < deadline, f"job {number} stays {job['state']}: {job}"
+            assert time.monotonic() < deadline, f"job {number} is still {job['state']}: {job}"
             time.sleep(0.02)
 
     def wait_until_idle(self, timeout=300):

@@ -167,7 +167,7 @@ class ServiceTest(ClientCase):
         service.wait_for(stall, ["running"])
         self.client("cancel", str(stall))
         self.assertEqual(service.wait_for(stall)["state"], "cancelled")
-        self.assertEqual(os.listdir(service.root), [], "nothing half made is left")
+        self.assertEqual(os.listdir(service.root), [], "no unfinished file may be left")
 
     def test_a_cancelled_job_that_is_retried_runs(self):
         service = self.start(QUICK + "workers = 1\n")
@@ -191,7 +191,7 @@ class ServiceTest(ClientCase):
             worker = next(pid for pid in service.workers() if pid not in old)
             files = os.listdir(f"/proc/{worker}/fd")
             sockets = [file for file in files if os.readlink(f"/proc/{worker}/fd/{file}").startswith("socket:")]
-        self.assertEqual(sockets, ["3"], "of its own alone")
+        self.assertEqual(sockets, ["3"], "only its own socket")
 
     def test_dependencies_deadlines_and_order(self):
         service = self.start(QUICK + "workers = 1\n")
@@ -221,7 +221,7 @@ class ServiceTest(ClientCase):
             self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
         deadline = time.monotonic() + 5  # less than a pulse
         while service.metric("multum_http_event_streams") > 0:
-            self.assertLess(time.monotonic(), deadline, "listeners who have gone are still told")
+            self.assertLess(time.monotonic(), deadline, "the daemon still keeps listeners that have left")
         number = self.drill(20)
         environment = dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
         with subprocess.Popen([MULTUM, "wait", str(number)], env=environment, stdout=subprocess.PIPE,
@@ -386,7 +386,7 @@ class ServiceTest(ClientCase):
         status, answer = service.ask("GET", "/readyz")
         self.assertEqual((status, answer["ready"], answer["driver"]), (503, False, False), answer)
         self.assertIn("OpenCL", answer["message"])
-        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded", "others are done all the same")
+        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded", "other jobs must still be done")
         service.stop()
         service = self.start()
         status, answer = service.ask("GET", "/readyz", timeout=60)
@@ -497,7 +497,7 @@ class ServiceTest(ClientCase):
         while slow and time.monotonic() < deadline:
             slow[0].settimeout(30)
             with slow.pop(0) as one:
-                self.assertTrue(one.recv(100).startswith(b"HTTP/1.1 408"), "the slow are told, and cut off")
+                self.assertTrue(one.recv(100).startswith(b"HTTP/1.1 408"), "slow clients are disconnected")
         before = resident_bytes(service.process.pid)
         for _ in range(2000):
             status, _ = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"seconds": "x" * 1000}})

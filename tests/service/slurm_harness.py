@@ -56,7 +56,7 @@ RebootProgram=/bin/false
 def why_not():
     """Returns why no Slurm can be started here, or "" if it can."""
     if os.geteuid() != 0:
-        return "Slurm is started by root alone"
+        return "only root can start Slurm"
     missing = [name for name in PROGRAMS if shutil.which(name, path=PATH) is None]
     return f"Slurm is not installed: no {', '.join(missing)}" if missing else ""
 

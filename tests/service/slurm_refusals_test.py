@@ -43,7 +43,7 @@ class RefusalCase(ClientCase):
     def setUpClass(cls):
         cls.holder = tempfile.mkdtemp()
         cls.addClassCleanup(shutil.rmtree, cls.holder)
-        cls.map = os.path.join(cls.holder, "map.png")  # the name stands in the file
+        cls.map = os.path.join(cls.holder, "map.png")  # the file stores its name
         subprocess.run([MULTUM, "testmap", os.path.join(cls.holder, "map"), "--size", "256"], check=True,
                        capture_output=True)
         os.rename(os.path.join(cls.holder, "map_normal.png"), cls.map)

@@ -341,7 +341,7 @@ class SlurmTest(ClientCase):
     def test_a_daemon_that_dies(self):
         service = self.start_slurm("chunk_s = 0")
         numbers = {f"job{i}": self.farm(f"job{i}", 2) for i in range(4)}
-        self.slurm.wait_until("all are sent, and two run", lambda: self.submitted_count() == 4 and sum(
+        self.slurm.wait_until("all jobs must be sent, and two must run", lambda: self.submitted_count() == 4 and sum(
             " RUNNING" in line for line in self.slurm.jobs()) == 2)
         service.kill()
         self.slurm.wait_until("they have ended", lambda: len(self.slurm.jobs()) <= 2)

@@ -13,7 +13,7 @@ import sys
 EXPOSURE_MAX = 2.0  # of 10
 
 if shutil.which("systemd-analyze") is None:
-    print("unit_test: passed over: systemd-analyze is not here (Debian package systemd)")
+    print("unit_test: skipped: systemd-analyze is not installed (Debian package systemd)")
     sys.exit(77)
 scored = subprocess.run(["systemd-analyze", "security", "--no-pager", "--offline=true", sys.argv[1]],
                         capture_output=True, text=True, check=False)

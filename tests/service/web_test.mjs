@@ -41,7 +41,7 @@ async function openPage(path = "", { width = 1280, height = 800, deviceScaleFact
       complaints.push(message.text());
   });
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("dialog", (dialog) => complaints.push(`a script of a stranger says ${dialog.message()}`));
+  page.on("dialog", (dialog) => complaints.push(`a foreign script says ${dialog.message()}`));
   page.on("request", (request) => {
     if (!request.url().startsWith(at.url) && !request.url().startsWith(`blob:${at.url}`))
       complaints.push(`a request to ${request.url()}`);
@@ -94,7 +94,7 @@ const rock = async () => (await ask("GET", "/v1/jobs?state=succeeded&limit=1000"
 
 async function checkContrast(page, least) {
   const { count, found } = await lowContrasts(page);
-  assert.ok(count >= least, `${count} texts were looked at, expected ${least} at least`);
+  assert.ok(count >= least, `${count} texts were checked, expected at least ${least}`);
   assert.deepEqual(found, []);
 }
 
@@ -147,7 +147,7 @@ const steps = {
     await until("time left", async () => /left/.test(await row(page, long).innerText()));
     await page.getByRole("button", { name: "Retry all dead (1)" }).waitFor();
     await row(page, hostile).click();
-    await page.locator("#detail .why").getByText("a drill that was to be refused").waitFor();
+    await page.locator("#detail .why").getByText("this drill had to be refused").waitFor();
     assert.ok((await page.locator("#detail-title").innerText()).includes(HOSTILE));
     assert.equal(await page.evaluate(() => document.querySelectorAll("#rows img, #detail img").length), 0);
     assert.equal(await page.evaluate(() => window.isHacked), undefined);
@@ -263,7 +263,7 @@ const steps = {
 
   async theTableOfPartsFollowsAMapThatIsInShares() {
     const farm = await drive("farm");
-    if (farm.why) return console.log(`  passed over: ${farm.why}`);
+    if (farm.why) return console.log(`  skipped: ${farm.why}`);
     const { id } = await ask("POST", "/v1/jobs", { type: "bake", queue: "farm", output: `${farm.root}/map.ndf.exr`,
       parameters: { input: `${farm.root}/map_normal.png`, no_measure: true } }, farm);
     const page = await openPage(`#job-${id}`, { at: farm });
@@ -348,7 +348,7 @@ const steps = {
         return [document.activeElement.id || document.activeElement.textContent.trim(),
           style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
       });
-      assert.ok(isVisible, `no focus is seen on ${words}`);
+      assert.ok(isVisible, `no visible focus on ${words}`);
       seen.push(words);
     }
     const places = ["new-job", "theme", "help", "filter-state", "filter-queue", "filter-text", "retry-dead"];
@@ -363,7 +363,7 @@ const steps = {
     await key("k");
     await key("ArrowUp");
     await key("ArrowUp");
-    assert.equal(await focusedRow(page), id, "up ends at the first");
+    assert.equal(await focusedRow(page), id, "the up key stops at the first job");
 
     await key("Enter");
     await page.locator("#detail-title").waitFor();
@@ -397,7 +397,7 @@ const steps = {
     await key("/");
     assert.equal(await focusedId(page), "filter-text");
     await page.keyboard.type("cj?");
-    assert.equal(await page.locator("#filter-text").inputValue(), "cj?", "letters that are typed do nothing else");
+    assert.equal(await page.locator("#filter-text").inputValue(), "cj?", "typed letters must have no other effect");
     await page.getByText("None of the newest").waitFor();
     await page.locator("#filter-text").fill("");
     await shows(page, id, "cancelled");
@@ -562,7 +562,7 @@ const steps = {
     await page.locator("#detail figure img").nth(2).waitFor();
     await noSideways(page, "a job");
     assert.ok(await page.locator("#detail").evaluate((one) => one.scrollWidth <= one.clientWidth), "a job is too wide");
-    assert.equal(await page.locator("#main").evaluate((one) => one.inert), true, "what is covered takes no focus");
+    assert.equal(await page.locator("#main").evaluate((one) => one.inert), true, "covered parts must be inert");
     await page.screenshot({ path: `${screenshots}/narrow_detail.png` });
     await page.keyboard.press("Escape");
     await page.keyboard.press("n");
@@ -676,7 +676,7 @@ for (const [name, step] of Object.entries(steps)) {
   const begun = Date.now();
   try {
     await step();
-    assert.deepEqual(complaints.splice(0), [], "consoles are empty, and nobody else is asked");
+    assert.deepEqual(complaints.splice(0), [], "consoles must be empty, and no other host may be asked");
     console.log(`ok      ${name} (${((Date.now() - begun) / 1000).toFixed(1)} s)`);
   } catch (error) {
     ++failures;

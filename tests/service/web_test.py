@@ -116,7 +116,7 @@ def main():
     parser.add_argument("--only", default="", help="a step's name, or a part of it")
     arguments = parser.parse_args()
     if missing() is not None:
-        print(f"{missing()} is not here: tools/install_dependencies test")
+        print(f"{missing()} is not installed: tools/install_dependencies test")
         return 77
     os.makedirs(arguments.screenshots, exist_ok=True)
     folder = tempfile.mkdtemp()

@@ -246,7 +246,7 @@ class ShadingLanguagesTest(unittest.TestCase):
             for i, row in enumerate(self.exact):
                 self.assertTrue(math.isfinite(values[4 * i + k]), f"{name}: {what}, case {i}: {self.cases[i]}")
                 self.assertLess(abs(values[4 * i + k] - row[k]), 5e-3 * row[k] + 1e-6 * scale,
-                                f"{name}: {what}, case {i}: {values[4 * i + k]} beside {row[k]}: {self.cases[i]}")
+                                f"{name}: {what}, case {i}: {values[4 * i + k]} for {row[k]}: {self.cases[i]}")
 
     def hold_drawn(self, name, values):
         """Single precision has errors of 3e-3 of the sharpest lobes' spread, and of 6e-5 of the number of a large

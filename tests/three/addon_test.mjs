@@ -84,7 +84,7 @@ async function formatsAgree(page) {
   assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`); // blocks are rounded to 8 bits
   for (const name of ["blocks", "decoded", "rgba8"])
     assert.ok(errors[name] > 0 && errors[name] < 0.1, `${name}: ${errors[name]}`);
-  assert.ok(errors.plain > 5 * errors.blocks, "lobes draw what plain mips do");
+  assert.ok(errors.plain > 5 * errors.blocks, "lobes draw the same as plain mips");
   assert.deepEqual([bytes.decoded, bytes.rgba8], [bytes.rgba8, bytes.halves / 2]);
   assert.ok(bytes.blocks < 0.51 * bytes.rgba8 && bytes.zstd === bytes.blocks);
 }
@@ -158,7 +158,7 @@ async function lightsAgree(page) {
   assert.equal(found.shadow.brighter, 0);
   assert.ok(found.shadow.black > 200 && found.shadow.changed < 0.9 * found.shadow.pixels, JSON.stringify(found.shadow));
   assert.ok(found.fog[0] > found.fog[1] + 0.05, "fog adds no green");
-  assert.ok(found.area > 0.01 && found.sky > 0.01, "an area light or a hemisphere lights nothing");
+  assert.ok(found.area > 0.01 && found.sky > 0.01, "an area light or a hemisphere light has no effect");
 }
 
 /** README.md's table: by light, the most that lobes are off, the least that points and plain mips are, in %. */
@@ -217,7 +217,7 @@ async function besideSupersampled(page) {
     return result;
   });
   const stated = statedErrors();
-  assert.deepEqual(Object.keys(stated), Object.keys(found), "README.md's table has other rows");
+  assert.deepEqual(Object.keys(stated), Object.keys(found), "the rows of README.md's table differ");
   const percent = (share) => `${(100 * share).toFixed(1)} %`;
   for (const [name, { plain, points, lobes }] of Object.entries(found)) {
     console.log(`  ${name}: error ${percent(lobes.error)}, energy ${lobes.energy.toFixed(3)}; plain mips ` +
@@ -336,9 +336,9 @@ async function sharingAndDisposal(page) {
       other: lab.compared(other, removed).error, removed: lab.compared(removed, untouched).error, calls: calls.length };
   });
   console.log("  sharing and disposal:", JSON.stringify(found));
-  assert.equal(found.same, 0, "a material without lobes is drawn otherwise beside one with lobes");
-  assert.equal(found.shared.textures, found.start.textures + 2, "the lobes and their table, once for all materials");
-  assert.equal(found.shared.programs, found.start.programs + 1, "materials alike have one program");
+  assert.equal(found.same, 0, "a material without lobes changes next to one with lobes");
+  assert.equal(found.shared.textures, found.start.textures + 2, "all materials must share the lobes and their table");
+  assert.equal(found.shared.programs, found.start.programs + 1, "equal materials must share one program");
   assert.ok(found.plainTexts > 0 && found.held && !found.own && found.calls > 0);
   assert.equal(found.removed, 0);
   assert.ok(found.other > 0.01);
@@ -472,7 +472,7 @@ async function loadsModels(page, complaints) {
 function checkPackage() {
   const facts = JSON.parse(readFileSync(inFolder("shaders/three/package.json"), "utf8"));
   assert.equal(facts.name, "@multum/three");
-  assert.ok(run("multum", "--version").includes(facts.version), "the package's version is not multum's");
+  assert.ok(run("multum", "--version").includes(facts.version), "the package and multum have different versions");
 }
 
 let opened;

@@ -77,7 +77,7 @@ function framed(model, { direction, distance, ...view }) {
   const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance).add(target);
   const reach = box.getSize(new THREE.Vector3()).length() / 2;
   const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // distance to where a ray touches the sphere
-  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // part of half the picture
+  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // per half picture
   const share = Math.min(1, seen), side = 2 * Math.ceil(0.5 * height * share);
   const [w, h] = [Math.min(width, side), Math.min(height, side)];
   return { ...view, eye: eye.toArray(), target: target.toArray(), zoom: Math.max(1, Math.round(1 / share)),

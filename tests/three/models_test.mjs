@@ -55,8 +55,8 @@ async function measured(page, name) {
 const share = (found, row) =>
   (found[row].error - found.floor.error) / (found.plain.error - found.floor.error);
 
-// How many percentage points the rule's error may exceed the lower of points and lobes. The goal is 0.3; the
-// listed models miss it.
+// The number of percentage points by which the rule's error may exceed the lower of points and lobes. The goal is 0.3;
+// the listed models miss it.
 const RULE_ABOVE = { domes: 0.9, flakes_sphere: 0.5 }, RULE_GOAL = 0.3;
 const ONE_GOAL = 0.2; // percentage points by which one lobe may exceed plain mips
 const SHARES_MOST = { // largest share of the gap between plain mips and the floor

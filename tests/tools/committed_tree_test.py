@@ -30,7 +30,7 @@ def expect_refusal(root, part):
 
 def main():
     if shutil.which("git") is None:
-        print("skipped: git is not there")
+        print("skipped: git is not installed")
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder) / "repository"

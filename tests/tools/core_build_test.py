@@ -51,7 +51,7 @@ def main():
             sys.exit(f"a core build names {word.group(0)}: {line[:300]}")
     core = objects(folder)
     if (own := core.keys() - objects(whole).keys()) != OWN:
-        sys.exit(f"a core build alone compiles {sorted(own)}, expected {sorted(OWN)}")
+        sys.exit(f"only the core build compiles {sorted(own)}, expected {sorted(OWN)}")
     for name in OWN:  # compiled, nothing made before
         command = run("ninja", "-C", folder, "-t", "commands", "-s", core[name])
         run("bash", "-c", f"cd '{folder}' && {command.strip()} -fsyntax-only")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a small field of traced frames: a patterned ground and a board that stands on it, from some views under some
+"""Writes a small field of traced frames: a patterned ground and an upright board, from some views under some
 lights, like tests/cli/traced_scene.cpp. docs/reference/animation_jobs.md describes the files' format."""
 import json
 import pathlib

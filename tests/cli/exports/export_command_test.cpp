@@ -46,7 +46,7 @@ TEST_F(ExportCommandTest, OpenImageIoReadsTheLevels) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(finest.at(x, y, c), source.at(x, y, c), 2.5f / 255.0f) << x << ", " << y;
   EXPECT_NEAR(orm.at(3, 4, 1), 0.2f, 0.5f / 255.0f);
   EXPECT_EQ(orm.at(3, 4, 0), 1.0f);
-  EXPECT_EQ(orm.at(3, 4, 2), 0.0f) << "nobody said that it was metal";
+  EXPECT_EQ(orm.at(3, 4, 2), 0.0f) << "without a metalness map the surface is not metal";
   EXPECT_EQ(level("anisotropy_00.png").at(3, 4, 2), 0.0f);
   // The coarsest level is rougher than the base, and its axis is a direction.
   EXPECT_GT(level("orm_05.png").at(0, 0, 1), 0.3f);
@@ -390,7 +390,7 @@ TEST_F(ExportCommandTest, WritesAPage) {
   EXPECT_EQ(data["report"]["accuracy"]["names"]["baked"], "4 baked lobes");
   EXPECT_TRUE(data["report"]["launches"].contains("one_lobe_fit"));
   EXPECT_FALSE(data["report"]["launches"].contains("movmf_em_texels"))
-      << "the bake beside the page is not the export's";
+      << "launches of the page's bake must not count for the export";
   if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
   else expect_says(result.err, {"ffmpeg", "no moving pictures"});
   // The export, the page and the bake of lobes each read the map, but the line about it is printed once.

@@ -55,7 +55,7 @@ class ExportResumeTest : public CliTest {
       ASSERT_EQ(result.exit_code, 130) << result.err;
       EXPECT_TRUE(hashes("out").empty());
     } else {
-      ASSERT_EQ(result.signal, signal) << "the export was quicker than the kill";
+      ASSERT_EQ(result.signal, signal) << "the export ended before the kill";
     }
     ASSERT_TRUE(fs::exists(fits()));
   }

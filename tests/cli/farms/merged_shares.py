@@ -42,7 +42,7 @@ class MergedSharesTest(unittest.TestCase):
         return done.stdout
 
     def refused(self, *parts):
-        """Expects that a merge refuses with exit code 4: worth trying again."""
+        """Expects that a merge refuses with exit code 4, which may be tried again."""
         for folder in ("inferred.json", "plan.json"):
             (self.out / folder).unlink(missing_ok=True)
         done = self.run_command("--merge", 3)
@@ -86,7 +86,7 @@ class MergedSharesTest(unittest.TestCase):
             self.assertEqual(result.read_bytes(), whole)
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
-            self.assertEqual(others, {path: times[path] for path in others})  # it alone was made again
+            self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
         for _ in range(2):  # again, as a farm may
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)

@@ -180,7 +180,7 @@ class SigtermTest(unittest.TestCase):
                     self.assertLess(waited, GRACE_SECONDS / 4)
                     if code == 130:  # otherwise all was done when the signal came
                         break
-                self.assertEqual(code, 130, "it had ended before it could be stopped")
+                self.assertEqual(code, 130, "the command ended before the signal")
                 self.assertIn("cancelled", said)
                 left = results(out)
                 for name in set(left) - there:

@@ -204,7 +204,7 @@ class OtherUsersTest(unittest.TestCase):
         finally:
             os.kill(thief, 9)
             os.waitpid(thief, 0)
-        self.assertIn(ENVIRONMENT, outcomes, "the thief was never quick enough: nothing was tried")
+        self.assertIn(ENVIRONMENT, outcomes, "the thief was never fast enough, so nothing was tested")
 
 
 if __name__ == "__main__":

@@ -321,7 +321,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   const auto refused = [&](const std::string& bytes, const std::vector<std::string>& parts) {
     write_bytes(path("bad.mpt"), bytes);
     expect_refusal(unpack("bad.mpt", "bad"), kInput, parts);
-    EXPECT_FALSE(fs::exists(path("bad"))) << "nothing is written of what is refused";
+    EXPECT_FALSE(fs::exists(path("bad"))) << "a refused field must write nothing";
   };
   refused(whole.substr(0, whole.size() - 10), {"bad.mpt", fmt::format("has {} bytes", whole.size() - 10), "section"});
   refused(whole.substr(0, 20), {"bad.mpt", "cut short within its index"});

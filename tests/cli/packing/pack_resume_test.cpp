@@ -121,7 +121,7 @@ TEST_F(PackResumeTest, AKilledPackingGoesOn) {
   };
   while (packing.running() && coded() < 1000) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   packing.send(SIGKILL);
-  ASSERT_EQ(packing.wait().signal, SIGKILL) << "packing was quicker than the kill";
+  ASSERT_EQ(packing.wait().signal, SIGKILL) << "packing ended before the kill";
   EXPECT_FALSE(fs::exists(path("field.mpt")));
   ProgramResult result = multum(
       {"pack", path("out"), "-o", path("field.mpt"), "--resume", "--mse-max", "0.002", "-v", "--pyramid", "greedy"});

@@ -130,7 +130,7 @@ TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
   const Png8Image half = frame("half", 0);
   EXPECT_GT(difference(half, sample("0,0")), 10) << "another camera";
   EXPECT_GT(difference(half, frame("mixed", 0)), 3) << "another light's share";
-  EXPECT_LE(difference(frame("beyond", 0), sample("0,1")), 1) << "beyond the samples the outermost counts";
+  EXPECT_LE(difference(frame("beyond", 0), sample("0,1")), 1) << "values beyond the samples are clamped";
 }
 
 TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
@@ -143,7 +143,7 @@ TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
   for (std::size_t f = 0; f < points.size(); ++f) EXPECT_EQ(frames[f]["point"], json(points[f])) << f;
   EXPECT_LE(difference(frame("recorded", 1), sample("2,0")), 1);
   ASSERT_EQ(play("again", {"--path", MULTUM_RECORDED_PATH, "--rate", "2", "--frames", "6"}).exit_code, 0);
-  EXPECT_EQ(statistics("again")["frames"][5]["point"], json(points[0])) << "from its end it begins again";
+  EXPECT_EQ(statistics("again")["frames"][5]["point"], json(points[0])) << "the path must start again after its end";
   const auto refused = [&](const std::string& text, const std::string& rate, const std::vector<std::string>& parts) {
     write_bytes(path("p.json"), text);
     const ProgramResult result = play("none", {"--path", path("p.json"), "--rate", rate});
@@ -167,7 +167,7 @@ TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
   const Png8Image shown = frame("frames", 29), exact = sample("2,1");
   for (std::size_t i = 0; i < shown.interleaved.size(); ++i, ++count)
     sum += std::abs(int{shown.interleaved[i]} - int{exact.interleaved[i]});
-  EXPECT_LT(sum / count, 20.0) << "no hole, and no other object";
+  EXPECT_LT(sum / count, 20.0) << "the picture must have no hole and no other object";
 }
 
 TEST_F(PlayCommandTest, ADamagedChunkIsLeftOutAndNamed) {

@@ -120,7 +120,7 @@ class SweepTest(unittest.TestCase):
             except ProcessLookupError:
                 return
             time.sleep(0.01)
-        self.fail("a helper outlived the process that started it by 20 s")
+        self.fail("a helper still runs 20 s after its parent has ended")
 
     def test_kills(self):
         moments = [i / 9 for i in range(1, 9)] if IS_ALL else [0.5, 0.9]

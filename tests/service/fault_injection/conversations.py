@@ -227,9 +227,9 @@ def main():
         if after[0] > before[0] + (options.memory_growth_max << 20) or after[2] > before[2] or after[1] > 40:
             fail("something is left behind")
         if service.metric("multum_http_memory_bytes") > 1 << 20:
-            fail("the budget is not given back")
+            fail("the memory budget was not released")
         if min(statuses[one] for one in (200, 400, 404)) == 0:
-            fail("a kind of answer was never seen")
+            fail("a kind of answer never occurred")
         assert service.stop() == 0, service.log_text()[-3000:]
         found = FOUND.search(service.log_text())
         if found:

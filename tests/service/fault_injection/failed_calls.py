@@ -59,14 +59,14 @@ def check_result(kind, root, number, job):
         if text.strip() != f"text {number}":
             fail(f"{kind}: its result holds {text!r}")
     elif not {"plan.json"} <= set(os.listdir(job["output"])):
-        fail(f"{kind}: its result is not whole: {os.listdir(job['output'])}")
+        fail(f"{kind}: its result is incomplete: {os.listdir(job['output'])}")
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("multum")
     parser.add_argument("shim")
-    parser.add_argument("--every", type=int, default=1, help="try each so manieth call alone")
+    parser.add_argument("--every", type=int, default=1, help="fail only every Nth call")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         faults = Faults(os.path.join(folder, "faults"))
@@ -115,9 +115,9 @@ def main():
         if left:
             fail(f"left behind: {left}")
         service.stop()
-        print(f"{number} jobs, {failed} calls failed, {restarts} daemons started again")
+        print(f"{number} jobs, {failed} failed calls, {restarts} restarts of the daemon")
         if failed < 20:
-            fail("hardly anything failed: the shim is not there")
+            fail("almost no call failed: the shim is not loaded")
 
 
 if __name__ == "__main__":

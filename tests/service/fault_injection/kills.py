@@ -74,7 +74,7 @@ def main():
                 # A job that an earlier daemon ran must not be called running without a worker.
                 running = service.counts()["running"]
                 longest_restart = max(longest_restart, time.monotonic() - begun)
-                assert running <= 4, f"{running} jobs are called running after a restart"
+                assert running <= 4, f"{running} jobs count as running after a restart"
             done[kill] += 1
         counts = service.wait_until_idle()
         attempts_lost = 0
@@ -100,7 +100,7 @@ def main():
         unended = ledger.execute("SELECT COUNT(*) FROM attempts WHERE outcome = 0").fetchone()[0]
         assert unended == 0, f"{unended} attempts have no end"
         print(f"{options.jobs} jobs, {done['worker']} workers and {done['daemon']} daemons killed: all results in "
-              f"place, once each; {attempts_lost} attempts lost and made again; restart in at most "
+              f"place, once each; {attempts_lost} attempts lost and repeated; restart within "
               f"{longest_restart:.2f} s")
 
 

@@ -170,7 +170,7 @@ class Farm:
             if all(counts[state] == 0 for state in ("waiting", "queued", "running", "publishing")):
                 return counts
             if time.monotonic() > deadline:
-                fail(f"jobs are left: {counts} {self.service.log_text()[-3000:]}")
+                fail(f"jobs did not end: {counts} {self.service.log_text()[-3000:]}")
             time.sleep(0.5)
 
     def check(self, counts):
@@ -181,7 +181,7 @@ class Farm:
                 assert file.read() == f"job {number}\n", path
         expected = {os.path.basename(path) for path in self.small} | {"map.png", "map.ndf.exr"}
         found = set(os.listdir(self.service.root))
-        assert found == expected, f"left behind or missing: {sorted(found ^ expected)[:5]}"
+        assert found == expected, f"unexpected or missing files: {sorted(found ^ expected)[:5]}"
         self.slurm.wait_until("Slurm is empty", lambda: not self.slurm.jobs(), timeout=60)
         with open(os.path.join(self.service.data, "instance"), encoding="utf-8") as file:
             place = os.path.join(self.shared, "multum-" + file.read().strip())
@@ -189,7 +189,7 @@ class Farm:
         whole = os.path.join(self.folder, "whole.ndf.exr")
         subprocess.run([self.multum, "bake", self.map, "-o", whole, "--quiet"], check=True)
         with open(whole, "rb") as one, open(self.baked, "rb") as other:
-            assert one.read() == other.read(), "the map is not that of one process"
+            assert one.read() == other.read(), "the map differs from that of one process"
 
     def report(self, seconds, metrics):
         ledger = sqlite3.connect(os.path.join(self.service.data, "jobs.sqlite"))

@@ -142,7 +142,7 @@ def main():
                 downloads += 1
                 answers[kind, status] += 1
                 if status in (200, "cut") and b"secret" in answer:
-                    fail("a download told what lies outside")
+                    fail("a download returned contents from outside")
                 waiting = [one for one in waiting if service.job(one[1])["state"] not in
                            ("succeeded", "dead", "cancelled")] if downloads % 50 == 0 else waiting
                 if downloads % 10 == 0 and len(waiting) < 6:
@@ -168,18 +168,18 @@ def main():
                 continue
             made = result_hash(kind, os.path.join(target, name))
             if made != right[kind]:
-                fail(f"{name} was made of what lies outside: {made}, expected {right[kind]}")
+                fail(f"{name} was made from files outside: {made}, expected {right[kind]}")
         if state_of(outside) != before:
-            fail(f"outside is not as it was: {sorted(set(state_of(outside).items()) ^ set(before.items()))[:5]}")
+            fail(f"files outside have changed: {sorted(set(state_of(outside).items()) ^ set(before.items()))[:5]}")
         if service.process.poll() is not None:
             fail(f"the daemon ended: {service.log_text()[-2000:]}")
         service.stop()
         if min(done[f"{kind} succeeded"] for kind in kinds) < 2:
-            fail(f"hardly a job came through: {dict(done)}")
+            fail(f"almost no job succeeded: {dict(done)}")
         sums = sorted((f"{kind} {status}", count) for (kind, status), count in answers.items())
         listed = ", ".join(f"{what}: {count}" for what, count in sums)
         print(f"{swapper.swaps} swaps, {downloads} downloads ({listed}), jobs {dict(counts)}, the last 1000: "
-              f"{dict(done)}: nothing of outside was read, nothing outside was written")
+              f"{dict(done)}: no file outside was read or written")
         if downloads < 20 or min(counts[kind] for kind in kinds) == 0 or swapper.swaps < 100:
             fail("too little happened")
         if answers["scene", 200] == 0 or answers["bake", 200] == 0:
