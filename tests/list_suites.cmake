@@ -3,7 +3,7 @@
 # -DSLOW="suite suite" -P list_suites.cmake. The suites in SLOW are labelled slow; the others are labelled fast.
 cmake_policy(VERSION 3.25)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY TIMEOUT 60)
-string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}")  # cases are indented
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}")  # lines of cases are indented
 separate_arguments(SLOW)
 # GoogleTest's last lines when every case was skipped. When a case failed, other lines follow.
 set(skipped "\\[  PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\] [^\n]*\n*)+$")
@@ -11,7 +11,7 @@ set(entries "")
 foreach(suite ${suites})
   string(REGEX REPLACE "[ \n]|\\.[ \n]" "" suite "${suite}")
   set(label fast)
-  string(REGEX REPLACE "^.*/" "" name "${suite}")  # without the prefix of an instantiation
+  string(REGEX REPLACE "^.*/" "" name "${suite}")  # removes the prefix of an instantiation
   if(name IN_LIST SLOW)
     set(label slow)
   endif()

@@ -60,7 +60,7 @@ def has_header_comment(file, lines):
     for line in lines:
         if line.startswith("#!") or "SPDX" in line or not line.strip():
             continue
-        if line.startswith("#version"):  # GLSL wants it first
+        if line.startswith("#version"):  # GLSL requires it in the first line
             continue
         return line.startswith((mark, '"""'))
     return False
@@ -158,7 +158,7 @@ def violations(root):
         if file.suffix in BUILT and not built.fullmatch(name):
             yield f"{name}:1: no CMakeLists.txt names it: dead"
         folder = file.parent.relative_to(root).as_posix()
-        mirror = re.match("tests/unit/(.*)", folder)  # of a folder of host/, whose row stands for both
+        mirror = re.match("tests/unit/(.*)", folder)  # mirrors a folder of host/, whose row stands for both
         wanted = f"host/{mirror[1]}" if mirror else folder
         if folder.split("/")[0] in SOURCE_FOLDERS and file.name != "CMakeLists.txt" and not is_listed(wanted, listed):
             missing_folders.add(folder)

@@ -16,7 +16,7 @@ RING_REPEATS, TUBE_REPEATS = 4, 2
 
 
 def torus_lines():
-    columns = TUBE_STEPS + 1  # the seam has its vertices twice: texture coordinates differ there
+    columns = TUBE_STEPS + 1  # the seam's vertices exist twice, with different texture coordinates
     for i in range(RING_STEPS + 1):
         for j in range(columns):
             ring, tube = 2 * math.pi * i / RING_STEPS, 2 * math.pi * j / TUBE_STEPS

@@ -7,7 +7,7 @@ import math
 import struct
 import zlib
 
-LINES = {0: 1, 1: 1, 2: 1, 3: 16}  # of a chunk of scan lines, by compression
+LINES = {0: 1, 1: 1, 2: 1, 3: 16}  # scan lines per chunk, by compression
 PIXEL_TYPES = {0: ("I", 4), 1: ("e", 2), 2: ("f", 4)}
 
 
@@ -62,7 +62,7 @@ class Part:
         self.left, self.top = box[:2]
         self.width, self.height = box[2] - box[0] + 1, box[3] - box[1] + 1
         self.compression = attributes["compression"][1][0]
-        self.channels, at, listed = [], 0, attributes["channels"][1]  # (name, type) as they lie in a row
+        self.channels, at, listed = [], 0, attributes["channels"][1]  # (name, type) in the order of a row
         while listed[at]:
             name, at = text_at(listed, at)
             self.channels.append((name, struct.unpack_from("<i", listed, at)[0]))

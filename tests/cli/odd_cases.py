@@ -15,7 +15,7 @@ from odd_tiff import Layout, read_tiff, write_tiff
 
 SIZES = ((8, 8), (9, 13), (17, 11), (33, 17), (16, 16), (12, 20), (31, 9), (5, 7), (8, 33), (1, 1), (1, 16), (16, 1),
          (2, 3), (3, 1))
-LARGE = ((17, 11), (33, 17), (16, 16), (12, 20), (31, 19), (14, 33))  # green can be told
+LARGE = ((17, 11), (33, 17), (16, 16), (12, 20), (31, 19), (14, 33))  # the direction of green is recognisable
 NAN, INF = math.nan, math.inf
 
 
@@ -25,7 +25,7 @@ class Beside:
     option: str
     data: bytes
     extension: str
-    expected: list  # [texel], as the baked file has it
+    expected: list  # [texel], as in the baked file
     channel: str = ""
 
 
@@ -34,11 +34,11 @@ class Case:
     kind: str
     data: bytes
     extension: str
-    picture: Picture = None  # decoded by the decoder of these tests; None: refused
+    picture: Picture = None  # decoded by these tests' own decoder; None: refused
     meaning: Meaning = field(default_factory=Meaning)
     options: tuple = ()
-    warns: tuple = ()  # each is in one of its warnings
-    refused: tuple = ()  # each is in the message
+    warns: tuple = ()  # each must be in one of the warnings
+    refused: tuple = ()  # each must be in the message
     beside: tuple = ()
     tolerance: float = 1e-5
     movmf: bool = False
@@ -139,7 +139,7 @@ class Generator:
                 picture, meaning = self.normals(bits=bits)
                 data = self.png(picture, 2, chunks=chunks)
                 self.add("PNG chunks", data, "png", read_png(data), meaning)
-            picture, meaning = self.normals(bits=bits)  # one colour is transparent, the background another
+            picture, meaning = self.normals(bits=bits)  # one colour is transparent, another the background
             data = self.png(picture, 2, transparent=struct.pack(">3H", *picture.samples[:3]),
                             chunks=[(b"bKGD", struct.pack(">3H", largest, 0, 0))])
             self.add("PNG chunks", data, "png", read_png(data), meaning)
@@ -161,7 +161,7 @@ class Generator:
                 data = write_tiff(picture, Layout(is_planar=is_planar, photometric=tiff.BLACK_IS_ZERO, extra=(0,)))
                 self.add("two channels", data, "tif", read_tiff(data),
                          Meaning(is_two_channel=True, is_signed=kind != "uint"))
-        width, height = 9, 13  # said, of a map with a blue of its own
+        width, height = 9, 13  # printed for a map that uses blue for something else
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 8, False)
         data = self.png(picture, 2)
         self.add("two channels", data, "png", read_png(data), Meaning(is_two_channel=True), ("--two-channel",))
@@ -200,7 +200,7 @@ class Generator:
             self.add("green", data, "png", read_png(data), Meaning(green=-1), ("--green", "down"))
         data = self.png(down(LARGE), 2)
         self.add("green", data, "png", read_png(data), Meaning(), ("--green", "up"), ("green was set to up",))
-        for size in ((5, 7), (8, 8)):  # too small to tell: up
+        for size in ((5, 7), (8, 8)):  # too small for statistics: read as up
             data = self.png(down((size,)), 2)
             self.add("green", data, "png", read_png(data), Meaning(), (), ("--green up or --green down",))
         picture, meaning = self.normals(bits=16)
@@ -276,7 +276,7 @@ class Generator:
             number = tiff.SAMPLE_FORMAT[kind]
             data = data.replace(format_entry, struct.pack("<HHIH", 339, 3, 1, number))
             self.add("TIFF, refused", data, "tif", refused=(f"{bits} bits", "expected"))
-        picture = scalar_picture(heights(9, 13, self.random), 9, 13, "uint", 1)  # no depth is one bit
+        picture = scalar_picture(heights(9, 13, self.random), 9, 13, "uint", 1)  # no supported depth is one bit
         self.add("TIFF, refused", write_tiff(picture, Layout(left_out=258)), "tif",
                  refused=("BitsPerSample", "expected"), options=("--bumpformat", "height"))
 
@@ -291,7 +291,7 @@ class Generator:
                 layout = self.layout(picture, photometric=tiff.PALETTE, colour_map=colour_map, is_planar=False)
                 data = write_tiff(picture, layout)
                 self.add("TIFF palettes", data, "tif", read_tiff(data), options=("--bumpformat", "normal"))
-        entries = self.few_normals(256)  # words that no 8 bits hold: what is lost is said
+        entries = self.few_normals(256)  # 16-bit values that 8 bits cannot hold: the loss is reported
         words = [min(65535, entries[i][c] * 257 + self.random.randrange(257)) for c in range(3) for i in range(256)]
         picture = Picture(9, 13, 1, "uint", 8, [self.random.randrange(256) for _ in range(9 * 13)])
         data = write_tiff(picture, Layout(photometric=tiff.PALETTE, colour_map=words))
@@ -341,7 +341,7 @@ class Generator:
                     self.add("TIFF strips", data, "tif", read_tiff(data), meaning)
                 else:
                     self.add("TIFF strips", data, "tif", refused=("64-bit", "tiles", "expected"))
-        for rows in (1, 2, 7, 12, 13):  # doubles need whole strips
+        for rows in (1, 2, 7, 12, 13):  # doubles need strips that hold all rows
             for is_planar in (False, True):
                 picture, meaning = self.normals("float", 64, ((9, 13),), True)
                 data = write_tiff(picture, Layout(rows_per_strip=rows, is_planar=is_planar))
@@ -369,10 +369,10 @@ class Generator:
                 wide = self.with_alpha(picture) if photometric == tiff.CMYK else picture
                 self.add("TIFF, refused", write_tiff(wide, Layout(photometric=photometric)), "tif",
                          refused=("PhotometricInterpretation", "expected"))
-        picture, meaning = self.normals(bits=16)  # of a camera, linear: numbers as they are
+        picture, meaning = self.normals(bits=16)  # a camera's linear numbers, read unchanged
         data = write_tiff(picture, Layout(photometric=34892))
         self.add("TIFF normals", data, "tif", read_tiff(data), meaning)
-        for count in (1, 2, 4):  # channels that are neither colour nor alpha
+        for count in (1, 2, 4):  # channels besides colour and alpha
             picture, meaning = self.normals(bits=16)
             data = write_tiff(self.with_alpha(picture, count), Layout(extra=(0,) * count))
             decoded = read_tiff(data)
@@ -430,7 +430,7 @@ class Generator:
             data = self.exr_file(picture, (name,))
             self.add("EXR names", data, "exr", exr_picture(data, (name,)), Meaning(height_scale=2),
                      ("--height-scale", "2"))
-        picture, _ = self.normals("float", 32, LARGE, False)  # brightness and colour differences
+        picture, _ = self.normals("float", 32, LARGE, False)  # luminance and chroma channels
         self.add("EXR names", self.exr_file(picture, ("Y", "RY", "BY")), "exr", refused=("BY", "expected"))
         data = self.exr_file(self.colours(3, 32, "float"), ("Y", "RY", "BY"))
         self.beside(9, 13, Beside("--albedo", data, "exr", []), kind="EXR names", refused=("BY", "expected"))
@@ -466,7 +466,7 @@ class Generator:
                        ((100, 20, 300), (3e5, 0, 1e6))):
             add(*broken(values))
         add(*broken(((NAN, 0, 1), (0, INF, 1)), fixnan="black"), options=("--fixnan", "black"))
-        picture, meaning = broken(((NAN, 0, 1),))  # two that are neighbours, in the corner
+        picture, meaning = broken(((NAN, 0, 1),))  # two neighbouring texels in the corner
         picture.samples[0:6] = [NAN] * 6
         add(picture, meaning)
         for bits in (8, 16):
@@ -668,7 +668,7 @@ class Generator:
         data = self.exr_file(nan, "RGB")
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--checknan",))
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--fixnan", "none"))
-        nan.samples[0:21] = [INF] * 21  # NaN in all channels would be texels that were never written
+        nan.samples[0:21] = [INF] * 21  # NaN in all channels would mean texels that were never written
         add(self.exr_file(nan, "RGB"), "exr", "8 of 561", "expected")
         black, _ = self.normals(sizes=((33, 17),))
         black.samples[:3 * 300] = [0] * 900

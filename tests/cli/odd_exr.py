@@ -13,13 +13,13 @@ LINES = {0: 1, 1: 1, 2: 1, 3: 16}
 class ExrPart:
     width: int
     height: int
-    channels: dict  # name: (type, values by rows)
+    channels: dict  # name: (type, values row by row)
     origin: tuple = (0, 0)
     display: tuple = ()  # left, top, right, bottom; (): the data window
     compression: int = 0
     decreasing: bool = False
     tile: int = 0
-    more: list = field(default_factory=list)  # (name, type, bytes) of further attributes
+    more: list = field(default_factory=list)  # (name, type, bytes) of additional attributes
 
 
 def run_lengths(data):

@@ -99,7 +99,7 @@ def write_png(width, height, colour_type, depth, samples, random, palette=None, 
     if transparent is not None:
         png += png_chunk(b"tRNS", transparent)
     packed = zlib.compress(data)
-    cut = random.randrange(1, len(packed))  # the data may lie in several chunks
+    cut = random.randrange(1, len(packed))  # the data may be split into several chunks
     return png + png_chunk(b"IDAT", packed[:cut]) + png_chunk(b"IDAT", packed[cut:]) + png_chunk(b"IEND", b"")
 
 

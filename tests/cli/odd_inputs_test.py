@@ -24,7 +24,7 @@ from odd_cases import generated
 from odd_maps import mean_cosine, normals_of
 
 WORKERS = 2
-BATCH = 16  # maps of a command: most of the time of one map would be the start of a process and of OpenCL
+BATCH = 16  # maps per command: for a single map, starting the process and OpenCL would take most of the time
 INPUT_REFUSED = 3  # exit code, docs/reference/commands.md
 COMPRESSIONS = ("none", "rle", "zips", "zip:1")
 

@@ -75,7 +75,7 @@ class Meaning:
 
 
 def is_number(v):
-    return abs(v) <= 1e9  # false of NaN
+    return abs(v) <= 1e9  # false for NaN
 
 
 def around(width, height, texel):

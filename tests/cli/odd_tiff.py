@@ -19,12 +19,12 @@ class Layout:
     is_big: bool = False  # BigTIFF
     is_planar: bool = False
     tile: tuple = ()  # width, height
-    rows_per_strip: int = 0  # 0: one strip; -1: the tag is left out
+    rows_per_strip: int = 0  # 0: one strip; -1: omits the tag
     compression: int = NONE
     predictor: int = 1
-    photometric: int = -1  # by the channels
-    extra: tuple = ()  # 0 unspecified, 1 associated alpha, 2 alpha
-    colour_map: list = field(default_factory=list)  # words: all red, all green, all blue
+    photometric: int = -1  # default: from the number of channels
+    extra: tuple = ()  # 0: unspecified, 1: associated alpha, 2: unassociated alpha
+    colour_map: list = field(default_factory=list)  # 16-bit words: all red, all green, all blue
     orientation: int = 0
     subfile: int = -1
     more_pages: int = 0
@@ -117,7 +117,7 @@ def encoded_row(samples, picture, layout, step):
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:
         codes = [(code - (codes[i - step] if i >= step else 0)) % (1 << bits) for i, code in enumerate(codes)]
-    if layout.predictor == 3:  # the highest bytes of all, then the next; then differences of bytes
+    if layout.predictor == 3:  # the highest bytes of all samples, then the next ones; then differences of bytes
         planes = b"".join(bytes(code >> bits - 8 - 8 * k & 255 for code in codes) for k in range(bits // 8))
         return bytes(byte - (planes[i - step] if i >= step else 0) & 255 for i, byte in enumerate(planes))
     if bits % 8 == 0:
@@ -151,7 +151,7 @@ def blocks_of(picture, layout):
                     line = [picture.samples[(y * picture.width + x) * n + c] if inside and x < picture.width else 77
                             for x in range(left, left + width) for c in channels]
                     lines.append(encoded_row(line, picture, layout, len(channels)))
-                if layout.compression == PACKBITS:  # each row by itself
+                if layout.compression == PACKBITS:  # compresses each row separately
                     yield b"".join(packbits_encoded(line) for line in lines)
                 else:
                     yield compressed(b"".join(lines), layout.compression)

@@ -176,7 +176,7 @@ def run(steps, programs, folder, registry):
         finally:
             late.cancel()
             try:
-                os.killpg(shell.pid, signal.SIGKILL)  # servers that the page left running
+                os.killpg(shell.pid, signal.SIGKILL)  # servers that the page's commands left running
             except ProcessLookupError:
                 pass
     return output

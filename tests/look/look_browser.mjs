@@ -53,12 +53,12 @@ export async function startLook(bin) {
 
 export const settled = (page) => page.evaluate(() => new Promise((resolve) =>
   requestAnimationFrame(() => requestAnimationFrame(resolve))));
-/** What the page says of its map, which follows with the next frame. */
+/** Returns the page's text about its map, which appears with the next frame. */
 export async function factsOf(page) {
   await page.evaluate(() => globalThis.multumLook.waiting);
   return page.textContent("#facts");
 }
-/** Puts `hash` into the page's address; the page has heard of it when this is done. */
+/** Puts `hash` into the page's address, and waits until the page has read it. */
 export const goTo = (page, hash) => page.evaluate((text) => new Promise((resolve) => {
   if (location.hash.slice(1) === text) return resolve();
   addEventListener("hashchange", () => resolve(), { once: true });
@@ -67,7 +67,7 @@ export const goTo = (page, hash) => page.evaluate((text) => new Promise((resolve
 export const viewOf = (page) => page.evaluate(() => ({ ...globalThis.multumLook.view }));
 export const pixelsOf = (page) => page.evaluate(() => document.getElementById("canvas").toDataURL());
 
-/** What the page says of files that are dropped onto it, [name, bytes] each. */
+/** Drops files, [name, bytes] each, onto the page and returns its message. */
 export const drop = (page, ...files) => page.evaluate(async (list) => {
   await globalThis.multumLook.drops.take(list.map(([name, base64]) =>
     new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name)));

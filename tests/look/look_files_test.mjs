@@ -25,7 +25,7 @@ const bake = (name, ...words) => run("multum", "bake", "map_normal.png", "-o", n
 const bytesOf = (name) => readFileSync(inFolder(name));
 const dropped = (page, ...names) => drop(page, ...names.map((name) => [name, bytesOf(name)]));
 
-/** The first bytes of `file` where the header's attribute `name` of type `type` has its value, from `from` on. */
+/** Returns the offset of the value of the header attribute `name` of type `type` in `file`, searching from `from`. */
 function valueAt(file, name, type, from = 0) {
   const at = file.indexOf(Buffer.from(`${name}\0${type}\0`, "latin1"), from);
   assert.ok(at >= 0, `no attribute ${name}`);
@@ -33,7 +33,7 @@ function valueAt(file, name, type, from = 0) {
 }
 const changed = (file, change) => { const bytes = Buffer.from(file); return change(bytes) ?? bytes; };
 
-/** Mean difference of two pages' pictures at a view, of 255, and the share within CLOSE. */
+/** Returns the mean difference of two pages' pictures at a view, of 255, and the share of values within CLOSE. */
 async function apart(one, other, hash) {
   for (const page of [one, other]) {
     await goTo(page, hash);

@@ -51,7 +51,7 @@ function glb(vertices, indices, { image = null, change = () => {} } = {}) {
   return Buffer.concat([head, body]);
 }
 
-/** The glTF in JSON of a binary one, and its buffer; `change` may change both. */
+/** Returns the JSON of a binary glTF, and its buffer; `change` may change both. */
 function gltf(bytes, change = () => {}) {
   const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
   const parts = { json, buffer: bytes.subarray(28 + length, 28 + length + json.buffers[0].byteLength) };
@@ -83,7 +83,7 @@ function ball(rings = 32) {
   } });
 }
 
-/** Mean difference from the picture `url`, of 255, where the square is, and how bright that is at most. */
+/** Returns the mean difference from the picture `url` inside the square, of 255, and the largest brightness there. */
 const apart = (page, url) => page.evaluate(async ([want, half]) => {
   const image = new Image();
   image.src = want;

@@ -25,7 +25,10 @@ async function openPage(file, options) {
   return page;
 }
 
-/** Each chart's bars add up to the stage that its title names, each row of pictures has the columns of the first. */
+/**
+ * Checks that each chart's bars add up to its title's stage, and that rows of pictures have as many columns as the
+ * first.
+ */
 async function checkDemo() {
   const page = await openPage("demo/index.html", { viewport: { width: 1280, height: 800 } });
   const bakes = await page.evaluate(() => [...document.querySelectorAll("svg")].filter((svg) =>

@@ -31,7 +31,7 @@ const near = (found, wanted, tolerance, what) => [...found].forEach((one, i) =>
 
 const JUNK = [null, true, -1, 0, 1, 1.5, 7, 1e9, 1e300, "", "x", "__proto__", [], {}, [[]], [1, 2, 3, 4]];
 
-/** Puts junk into up to three places, or takes away what is there. */
+/** Puts junk into up to three places, or removes values. */
 function spoil(json) {
   for (let n = 1 + Math.floor(3 * random()); n > 0 && Object.keys(json).length > 0; --n) {
     let [place, key] = [json, among(Object.keys(json))];
@@ -49,9 +49,9 @@ const columns = (...rows) => Float64Array.from({ length: 16 }, (_, i) => rows[i 
 const turned = (angle) => columns([Math.cos(angle), 0, Math.sin(angle), 0], [0, 1, 0, 0],
   [-Math.sin(angle), 0, Math.cos(angle), 0], [0, 0, 0, 1]);
 const moved = (x, y, z) => columns([1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]);
-/** Off-centre, with near and far planes as OpenGL has them, and the last row -s. */
+/** An off-centre projection with OpenGL's near and far planes, and -s in the last row. */
 const lens = (s = 1) => columns([2.1, 0, 0.3, 0], [0, 2.9, -0.2, 0], [0, 0, -1.02 * s, -0.2], [0, 0, -s, 0]);
-/** Of a camera that stands at `eye` and is turned by `angle`. */
+/** The matrix of a camera at `eye` that is rotated by `angle`. */
 const camera = (angle, eye, s) => multiplied(lens(s), multiplied(turned(-angle), moved(...eye.map((one) => -one))));
 
 // ---- A binary glTF
@@ -90,7 +90,7 @@ function triangle() {
   } };
 }
 
-/** A sound description: three views by two lights, one object with a layer that all share and one by lights. */
+/** A valid description: three views by two lights, one object with a layer for all samples and one for each light. */
 function description() {
   const views = [0, 1, 2].map((v) => [[1, 0, 0, v], [0, 1, 0, 0], [0, 0, -1, -0.1], [0, 0, -1, 2]]);
   const mapping = { linear: [1, 0, 0, 1], offset: [0, 0], hasCut: [false, true], cut: [0, 0.5], wrapS: "clamp",
@@ -201,7 +201,7 @@ const steps = {
     assert.throws(() => readGlb(glb(json, cut), "t.glb", 1), /vertex 3 of 3/);
   },
 
-  /** Whatever stands in a glTF, it is refused by words or has triangles that are whole. */
+  /** Any glTF is either refused with a message, or has complete triangles. */
   glbOfStrangersDoesNotBreakIt() {
     let refused = 0;
     for (let i = 0; i < 20000; ++i) {
@@ -381,7 +381,7 @@ const steps = {
     }
   },
 
-  /** Whatever stands in a description, it is refused by words, or has all that playing needs. */
+  /** Any description is either refused with a message, or has everything that playing needs. */
   async descriptionsOfStrangersDoNotBreakIt() {
     let refused = 0;
     for (let i = 0; i < 20000; ++i) {
@@ -405,7 +405,7 @@ const steps = {
     assert.ok(refused > 10000, `${refused} were refused`);
   },
 
-  /** The same of files: bytes changed, cut or doubled, before and behind the checksums. */
+  /** Any file is refused with a message or read: bytes change, are cut or doubled, some checksums are corrected. */
   async filesOfStrangersDoNotBreakIt() {
     const sound = fileOf([descriptionSection(description()), { kind: 1, layer: 0, block: 0, bytes: Buffer.from("abc") },
       { kind: 7, layer: 0, block: 0, bytes: Buffer.alloc(10) }]);

@@ -65,7 +65,7 @@ const problems = (page) => page.locator("#problem-list li").allTextContents();
 const problem = (page, pattern) => until(`a problem like ${pattern}`, async () =>
   (await problems(page)).some((text) => pattern.test(text)));
 
-/** How the current picture differs from a PNG, given as base64. */
+/** Returns the difference of the current picture from a PNG, given as base64. */
 const difference = (page, png) => page.evaluate(async (data) => {
   const image = new Image();
   image.src = `data:image/png;base64,${data}`;
@@ -126,7 +126,7 @@ const described = (change) => {
   sections[place] = descriptionSection(change(json) ?? json);
   return fileOf(sections);
 };
-/** With a section in front of all others, so that they lie beyond the first bytes that are read. */
+/** Returns a file with a section in front of all others, so that these are beyond the bytes that are read first. */
 const farApart = fileOf([{ kind: 9, layer: 0, block: 0, bytes: Buffer.alloc(200000, 7) }, ...sectionsOf(bytes)]);
 
 // ---- Steps

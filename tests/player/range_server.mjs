@@ -9,7 +9,7 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
   ".png": "image/png" };
 
 export class RangeServer {
-  /** `folder`: served below /. */
+  /** `folder`: the folder that / serves. */
   static async start(folder) {
     const server = new RangeServer();
     Object.assign(server, { folder, copies: new Map(), requests: [] });
@@ -20,8 +20,8 @@ export class RangeServer {
   }
 
   /**
-   * /NAME/ is the folder `of`, with `files` in place of its own. `behave(file, count)`, count of requests of that file
-   * so far: { cut: bytes after which the connection ends, noRanges, status }.
+   * Serves the folder `of` as /NAME/, with `files` instead of its own. `behave(file, count)`, with the number of
+   * earlier requests of that file, returns { cut: bytes after which the connection ends, noRanges, status }.
    */
   copy(name, of, files = {}, behave = () => ({})) {
     this.copies.set(name, { of, files, behave, counts: new Map() });

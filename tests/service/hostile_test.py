@@ -36,7 +36,7 @@ class HostileTest(ClientCase):
                     one.sendall(piece)
                 if ends:
                     one.shutdown(socket.SHUT_WR)
-            except OSError:  # cut off: there may be an answer all the same
+            except OSError:  # the connection was reset; an answer may have come before
                 pass
             text = b""
             try:
@@ -126,11 +126,11 @@ class HostileTest(ClientCase):
         for number in range(60):
             one = self.line()
             kind = number % 3
-            if kind == 0:  # an extension without end
+            if kind == 0:  # a chunk extension without end
                 one.sendall(b"POST /v1/jobs HTTP/1.1\r\n" + HOST + b"Transfer-Encoding: chunked\r\n\r\n5")
-            elif kind == 1:  # a body that stays away
+            elif kind == 1:  # a body that never comes
                 one.sendall(b"POST /v1/jobs HTTP/1.1\r\n" + HOST + b"Content-Length: 1000000\r\n\r\n" + b" " * 999999)
-            else:  # an upload that is held open
+            else:  # an upload that stays open
                 one.sendall(b"PUT /v1/uploads/a.bin HTTP/1.1\r\n" + HOST + b"Content-Length: 30000000\r\n\r\n")
                 try:
                     one.sendall(b"x" * (20 << 20))
@@ -261,7 +261,7 @@ class HostileTest(ClientCase):
         self.assertIn("notes.txt", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine)))
         # The scene is in the root folder itself.
         made = self.output("made")
-        for _ in range(2):  # into nothing, then over a result of its own
+        for _ in range(2):  # into a new folder, then over its own result
             number = service.submit(**job, output=made)
             self.assertEqual(service.wait_for(number)["state"], "succeeded", service.job(number))
         self.assertTrue(os.path.exists(os.path.join(made, "plan.json")))

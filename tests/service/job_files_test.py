@@ -76,7 +76,7 @@ class JobFilesTest(ClientCase):
             if moved == "sub":
                 os.remove(self.output("sub/a.ndf.exr"))
                 made("sub/a.ndf.exr", again=True)
-                os.remove(self.output("b.ndf.exr"))  # else it is taken from there
+                os.remove(self.output("b.ndf.exr"))  # else the result would be copied from there
             target = os.path.join(elsewhere, os.path.basename(moved))
             shutil.move(self.output(moved), target)
             os.symlink(target, self.output(moved))
@@ -473,7 +473,7 @@ class JobFilesTest(ClientCase):
         state = f"{os.stat(secret).st_size} {os.stat(secret).st_mtime_ns}"
         os.symlink(secret, os.path.join(folder, "door"))
         wall = os.stat(os.path.join(folder, "wall.ndf.exr"))
-        own = f"{wall.st_size} {wall.st_mtime_ns}"  # what is there, by names that an archive must not have
+        own = f"{wall.st_size} {wall.st_mtime_ns}"  # existing files under names that an archive must not have
         for name, listed in (("../../secret", state), (secret, state), ("door", state), ("nothing", state),
                              ("wall.ndf.exr/../../../secret", state), ("./wall.ndf.exr", own),
                              ("../b\u00e4ked/wall.ndf.exr", own), (os.path.join(folder, "wall.ndf.exr"), own)):
@@ -549,7 +549,7 @@ class JobFilesTest(ClientCase):
         self.assertEqual(upload(20 << 10)[0], 201)
         results = os.path.join(service.data, "results", "a.txt")
         large = os.path.join(service.data, "results", "large")
-        counted_for = 5.5  # seconds, and a little
+        counted_for = 5.5  # seconds, and a margin
         service.ask("POST", "/v1/queues/default/pause")
         accepted = self.drill(output=results, attempt_max=100)
         with open(large, "wb") as file:
@@ -586,7 +586,7 @@ class JobFilesTest(ClientCase):
                 except OSError:
                     pass
             status = 201
-            for _ in range(2000):  # what room the ledger has of its own
+            for _ in range(2000):  # space that the ledger keeps for itself
                 status, answer = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"text": "x" * 900}})
                 if status != 201:
                     break

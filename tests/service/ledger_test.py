@@ -98,7 +98,7 @@ class LedgerTest(ClientCase):
         ledger = os.path.join(service.data, "jobs.sqlite")
         for part in ("", "-wal"):
             os.rename(ledger + part, os.path.join(self.folder, "away" + part))
-        shutil.copy(os.path.join(self.folder, "away"), ledger)  # another file in its place
+        shutil.copy(os.path.join(self.folder, "away"), ledger)  # another file replaces the ledger
         for _ in range(3):
             self.refused(503, "environment", ["jobs.sqlite", "replaced", "put back"], "POST", "/v1/jobs",
                          {"type": "drill"})

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks the layout of a page: parts beyond the window, cut parts, and parts that cover others.
 
-/** Windows that every page is looked at in: the narrowest phones, and 1280 x 800 at 200 %. */
+/** Window sizes in which every page is checked: the narrowest phones, and 1280 x 800 at 200 %. */
 export const NARROW = [{ viewport: { width: 320, height: 640 }, deviceScaleFactor: 1 },
   { viewport: { width: 640, height: 400 }, deviceScaleFactor: 2 }];
 
 /**
- * What is wrong within `root`, in words; [] where nothing is. Parts of what scrolls sideways, as wide tables do, and
- * inputs, whose texts browsers lay out, are skipped.
+ * Returns the layout problems within `root` as texts; [] if there are none. Skips parts of elements that scroll
+ * sideways, such as wide tables, and inputs, whose texts browsers lay out.
  */
 export const misplaced = (page, root = "body") => page.evaluate((selector) => {
   const top = document.querySelector(selector);

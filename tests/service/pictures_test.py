@@ -225,7 +225,7 @@ class PicturesTest(ServiceCase):
         self.refused_look(job, "q_normal.png")
         shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
         self.refused_look(job, "changed")
-        shutil.copy(self.path("kept.png"), self.path("q_normal.png"))  # the same, by another file
+        shutil.copy(self.path("kept.png"), self.path("q_normal.png"))  # the same contents in another file
         self.assertEqual(self.look(job)[0], 200)
         self.assertEqual(self.ask(job, "render")[0], 200)
         self.assertEqual(service.ask("POST", "/v1/purge", {"jobs": [job]})[0], 200)

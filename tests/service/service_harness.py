@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-MULTUM = os.environ.get("MULTUM", "multum-drill")  # multum with a type of job for tests, drill/drill_job.h
+MULTUM = os.environ.get("MULTUM", "multum-drill")  # multum with a job type for tests, drill/drill_job.h
 QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 
 
@@ -38,7 +38,7 @@ class Service:
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
         self.port = 0
-        self.checker = None  # of every answer: an OpenapiCheck
+        self.checker = None  # checks every answer: an OpenapiCheck
 
     def start(self, wait=True, port=0):
         address = os.path.join(self.data, "address")
@@ -170,12 +170,12 @@ class ServiceCase(unittest.TestCase):
 class ClientCase(ServiceCase):
     """Helpers for tests that see the daemon as clients do."""
 
-    checks_answers = False  # each against docs/reference/openapi.json
+    checks_answers = False  # each checked against docs/reference/openapi.json
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
         if self.checks_answers:
-            from openapi_check import OpenapiCheck  # which wants a package that not all tests do
+            from openapi_check import OpenapiCheck  # needs a package that some tests lack
             self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
         return self.service
 

@@ -34,7 +34,7 @@ class ServiceTest(ClientCase):
                                   env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
         os.close(inner)
         shown = b""
-        with contextlib.suppress(OSError):  # Linux ends it so when the client is gone
+        with contextlib.suppress(OSError):  # Linux reports EIO when the client has ended
             while part := os.read(terminal, 65536):
                 shown += part
         os.close(terminal)
@@ -219,7 +219,7 @@ class ServiceTest(ClientCase):
         # Jobs may end while the client asks: it must not wait for events that have already happened.
         for _ in range(20):
             self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
-        deadline = time.monotonic() + 5  # less than a pulse
+        deadline = time.monotonic() + 5  # shorter than a heartbeat
         while service.metric("multum_http_event_streams") > 0:
             self.assertLess(time.monotonic(), deadline, "the daemon still keeps listeners that have left")
         number = self.drill(20)
@@ -268,7 +268,7 @@ class ServiceTest(ClientCase):
         self.assertIn("event: progress", text)
         for event in text.split("\n\n"):
             fields = dict(line.split(": ", 1) for line in event.splitlines() if ": " in line and not line[0] == ":")
-            if "data" in fields and len(fields) == 3:  # the last one may be cut
+            if "data" in fields and len(fields) == 3:  # the last event may be cut
                 name = {"job": "Job", "progress": "ProgressEvent"}[fields["event"]]
                 self.assertEqual(service.checker.errors({"$ref": f"#/components/schemas/{name}"},
                                                         json.loads(fields["data"])), [])
@@ -333,7 +333,7 @@ class ServiceTest(ClientCase):
         service.ask("POST", "/v1/queues/night/resume")
         reload(queues)
         self.assertEqual(paused(), ["default"])
-        reload(queues.replace("paused = true", "paused = false"))  # the settings say something else
+        reload(queues.replace("paused = true", "paused = false"))  # the settings disagree
         self.assertEqual(paused(), ["default"])
         reload(queues)
         self.assertEqual(paused(), ["default", "night"])
@@ -490,7 +490,7 @@ class ServiceTest(ClientCase):
                     one.shutdown(socket.SHUT_WR)
                     while one.recv(65536):
                         pass
-                except OSError:  # cut off before it was done talking
+                except OSError:  # disconnected before the request was complete
                     pass
         self.assertEqual(service.ask("GET", "/healthz")[0], 200)
         deadline = time.monotonic() + 30

@@ -74,7 +74,7 @@ class RefusalCase(ClientCase):
         """Checks that each band succeeded once, in arrays that Slurm accepts."""
         done = [part for part in parts if part["state"] == "succeeded"]
         count = int(done[0]["part"].split("/")[1])
-        self.assertGreater(count, array_max)  # or nothing would be split
+        self.assertGreater(count, array_max)  # else nothing would be split
         self.assertEqual([part["round"] for part in parts], [1] * len(parts))
         self.assertEqual(sorted(part["part"] for part in done),
                          sorted([f"{i}/{count}" for i in range(count + 1)] + [f"merge {count}"]))
@@ -97,7 +97,7 @@ class StandInTest(RefusalCase):
                 file.write(f'#!/bin/sh\nexec {sys.executable} {script} {name} "$@"\n')
             os.chmod(os.path.join(programs, name), 0o755)
         with open(os.path.join(programs, "scontrol"), "w", encoding="utf-8") as file:
-            file.write("#!/bin/sh\nexit 1\n")  # it does not say what it allows
+            file.write("#!/bin/sh\nexit 1\n")  # scontrol fails, so the limit stays unknown
         os.chmod(os.path.join(programs, "scontrol"), 0o755)
         for name, text in (("refusals", refusals), ("array_max", str(array_max))):
             with open(os.path.join(self.stand_in, name), "w", encoding="utf-8") as file:
@@ -128,7 +128,7 @@ class StandInTest(RefusalCase):
         self.assertEqual(self.calls(), ["-"])
 
     def test_what_is_never_taken_ends_what_was(self):
-        self.start_stand_in(f"\n{ACCOUNT}\n*\n")  # share 0 is taken
+        self.start_stand_in(f"\n{ACCOUNT}\n*\n")  # share 0 is accepted
         job = self.service.wait_for(self.bake())
         self.assertEqual((job["state"], job["exit_code"], len(job["attempts"])), ("dead", 2, 1), job["message"])
         self.assertIn(ACCOUNT, job["message"])
@@ -145,14 +145,14 @@ class StandInTest(RefusalCase):
         self.start_stand_in("Unable to contact slurm controller (connect failure)\n" * 2 +
                             "Slurm temporarily unable to accept job, sleeping and retrying\n" * 2)
         self.succeed(self.bake())
-        self.assertEqual(self.calls()[:5], ["-"] * 5)  # four refusals are one more than of reasons unknown
+        self.assertEqual(self.calls()[:5], ["-"] * 5)  # four refusals: one more than allowed for unknown reasons
 
     def test_reasons_unknown_end_the_attempt(self):
         self.start_stand_in("A text of another version\n*\n")
         job = self.service.wait_for(self.bake(attempt_max=2))
         self.assertEqual((job["state"], job["exit_code"], len(job["attempts"])), ("dead", 4, 2), job["message"])
         self.assertIn("A text of another version", job["message"])
-        self.assertEqual(len(self.calls()), 6)  # three for each attempt
+        self.assertEqual(len(self.calls()), 6)  # three tries for each attempt
 
 
 @unittest.skipIf(NOT_HERE, NOT_HERE)

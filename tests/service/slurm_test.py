@@ -181,7 +181,7 @@ class SlurmTest(ClientCase):
             self.assertIn("drill: done", service.ask("GET", f"/v1/jobs/{number}/log")[1].decode())
         self.assertLessEqual(self.submitted_count(), 3)
         self.assertEqual(service.metric("multum_slurm_up"), 1)
-        here = self.drill(text="here", output=self.output("here"))  # of the other queue
+        here = self.drill(text="here", output=self.output("here"))  # a job of the other queue
         self.assertEqual(self.succeed(here, "here")["parts"], [])
         self.nothing_is_left()
         self.daemon_rests()
@@ -301,7 +301,7 @@ class SlurmTest(ClientCase):
 
     def test_who_has_a_forgotten_number_is_not_cancelled(self):
         # Simulates a controller that has forgotten the daemon's job and gives its number to the next job.
-        service = self.start_slurm(poll=4)  # so that the daemon does not hear of it before it cancels
+        service = self.start_slurm(poll=4)  # so that the daemon cancels before it hears of the job's end
         with open(self.flag + ".other", "w", encoding="utf-8"):
             pass
         number = self.farm("forgotten", 30)
@@ -330,7 +330,7 @@ class SlurmTest(ClientCase):
         service.wait_for_log("Slurm does not answer")
         other = self.farm("while-away", 0.1)
         time.sleep(0.5)
-        self.assertEqual(service.job(number)["state"], "running")  # nothing is known of it
+        self.assertEqual(service.job(number)["state"], "running")  # the daemon cannot know how the job ended
         self.slurm.start_controller()
         self.succeed(number, "forgotten")
         self.succeed(other, "while-away")

@@ -88,7 +88,7 @@ async function bake(name, parameters = {}) {
   return job.id;
 }
 
-/** The bake of an earlier step, or a new one. */
+/** Returns the bake of an earlier step, or a new one. */
 const rock = async () => (await ask("GET", "/v1/jobs?state=succeeded&limit=1000")).jobs
   .find((job) => job.label === "rock")?.id ?? bake("rock");
 

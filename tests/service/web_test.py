@@ -69,7 +69,7 @@ class Driver:
                 os.chmod(path, 0o600)
                 options = ["--token-file", path]
             service = self.services[name] = Service(self.multum, folder, options, CONFIG)
-        service.start(port=service.port)  # the same when it is started again
+        service.start(port=service.port)  # the same port after a restart
         return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "token": TOKEN}
 
     def stop(self, name):

@@ -133,7 +133,7 @@ def table_at(table, alpha, d):
 
 
 def ggx_over_lobe(table, alpha, d, e):
-    peak, slope, bend, power = table_at(table, alpha, d)  # peak over pi, power below 0
+    peak, slope, bend, power = table_at(table, alpha, d)  # value at the peak times 1 / pi, and power below 0
     square = alpha * alpha + 2 * d
     u = min(max(0.5 + 0.5 * (1 - e) / math.sqrt(4.5 * d / (1.001 - d)), 0), 1)
     y = slope * e * (1 - 0.5 * e * alpha * alpha / square) / square

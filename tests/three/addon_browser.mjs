@@ -13,7 +13,9 @@ const TYPES = { ".js": "text/javascript", ".wasm": "application/wasm", ".png": "
 export const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium",
   "/usr/local/bin/chromium"].find(existsSync);
 
-/** { page, complaints, close }: `script`, a module of this folder, has run; `files` are below /files/. */
+/**
+ * { page, complaints, close }: a page after `script`, a module of this folder, has run; `files` are served at /files/.
+ */
 export async function openPage(chromium, { package: packageFolder, files, script }) {
   const roots = { modules: MODULES, package: packageFolder, files, tests: HERE };
   const map = { three: "/modules/three/build/three.module.js", "three/addons/": "/modules/three/examples/jsm/",

@@ -26,10 +26,10 @@ const run = (program, ...words) => execFileSync(path.join(bin, program), words, 
 mkdirSync(pictures, { recursive: true });
 const [WIDTH, HEIGHT] = [240, 180];
 
-/** `act(page, argument)` in the page, where `lab` has what addon_page.js offers. */
+/** Runs `act(page, argument)` in the page, where `lab` has the functions of addon_page.js. */
 const inPage = (page, act, argument) => page.evaluate(act, argument);
 
-/** Beside each lobe once: the rule's points of multum-view follow the pixel's longer axis, three.js's are 2 x 2. */
+/** Compares with one evaluation per lobe: multum-view's points follow the pixel's longer axis, three.js's are 2 x 2. */
 async function besideMultumView(page) {
   const views = await inPage(page, () => globalThis.lab.VIEWS);
   for (const [view, [eye, target]] of Object.entries(views))
@@ -58,7 +58,7 @@ async function besideMultumView(page) {
     }
 }
 
-/** Formats of one file draw alike; what is decoded on the processor as what the GPU decodes. */
+/** All formats of one file draw alike, whether the processor or the GPU decodes them. */
 async function formatsAgree(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis;
@@ -89,7 +89,7 @@ async function formatsAgree(page) {
   assert.ok(bytes.blocks < 0.51 * bytes.rgba8 && bytes.zstd === bytes.blocks);
 }
 
-/** three.js's lights, one beside the other: what is far away in one direction is a directional light. */
+/** Compares three.js's lights with each other: a distant light of any kind equals a directional light. */
 async function lightsAgree(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
@@ -161,14 +161,16 @@ async function lightsAgree(page) {
   assert.ok(found.area > 0.01 && found.sky > 0.01, "an area light or a hemisphere light has no effect");
 }
 
-/** README.md's table: by light, the most that lobes are off, the least that points and plain mips are, in %. */
+/**
+ * README.md's table: for each light, the highest error of lobes and the lowest errors of points and plain mips, in %.
+ */
 function statedErrors() {
   const text = readFileSync(inFolder("shaders/three/README.md"), "utf8");
   const rows = text.matchAll(/^\| (.*) \| (\d+) % \| (\d+) % \| (\d+) % \|$/gm);
   return Object.fromEntries(Array.from(rows, ([, name, ...numbers]) => [name, numbers.map(Number)]));
 }
 
-/** What three.js does with one normal, roughness and its own supersampling is what lobes are held to. */
+/** Compares lobes with three.js's own supersampled shading of one normal and one roughness. */
 async function besideSupersampled(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
@@ -231,7 +233,7 @@ async function besideSupersampled(page) {
   }
 }
 
-/** Instances, skins, clearcoat and the like compile, and draw what they should. */
+/** Instances, skins, clearcoat and similar features compile and draw the right picture. */
 async function geometriesAndLayers(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
@@ -289,7 +291,7 @@ async function geometriesAndLayers(page) {
     assert.ok(found[name] > 0.01, `${name} changes nothing`);
 }
 
-/** Materials share a texture and a program; those without lobes are as ever; nothing stays behind. */
+/** Materials share a texture and a program; materials without lobes are unchanged; disposal leaves nothing behind. */
 async function sharingAndDisposal(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE, renderer } = lab;
@@ -432,7 +434,7 @@ async function refusesMaterials(page) {
   for (const [name, words] of Object.entries(expected)) assert.match(found[name], words, name);
 }
 
-/** MULTUM_lobes, whole and damaged. */
+/** Reads MULTUM_lobes, valid and damaged. */
 async function loadsModels(page, complaints) {
   const views = ["map_normal.png", "map.ktx2"].map((name) => readFileSync(inFolder(name)).toString("base64"));
   const load = (extension, top, material = {}) => inPage(page, async ([views, extension, top, material]) => {

@@ -4,7 +4,7 @@
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
 
-/** Where grid `number` of samples lies, in samples: low discrepancy, the first in the middle. */
+/** Returns the offset of grid `number`, in samples: a low-discrepancy sequence that starts in the middle. */
 export function shiftOfGrid(number) {
   const part = (step) => (0.5 + number * step) % 1 - 0.5;
   return [part(0.7548776662466927), part(0.5698402909980532)]; // of the plastic number: Roberts's R2
@@ -23,7 +23,7 @@ vec2 multum_shift(int evaluation) {
 }
 `;
 
-/** Has `material` average `samples` x `samples` places; its userData.setGrid(number) moves them. */
+/** Makes `material` average `samples` x `samples` points per pixel; its userData.setGrid(number) moves them. */
 export function exactMaterial(material, samples) {
   const shift = { value: [0, 0] };
   const defines = { MULTUM_EVALUATIONS: samples ** 2, MULTUM_POINTS: `ivec2(${samples})`,

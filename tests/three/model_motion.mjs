@@ -29,12 +29,12 @@ function processes() {
       const rest = readFileSync(`/proc/${name}/stat`, "utf8").split(") ").at(-1).split(" ");
       found.set(Number(name), { parent: Number(rest[1]), seconds: (Number(rest[11]) + Number(rest[12])) / TICKS,
         isGpu: readFileSync(`/proc/${name}/cmdline`, "utf8").includes("--type=gpu-process") });
-    } catch { /* it has ended */ }
+    } catch { /* the process has ended */ }
   }
   return found;
 }
 
-/** Processor seconds of the browser's process that draws. */
+/** Returns the processor seconds of the browser process that draws. */
 function drawingSeconds() {
   const all = processes();
   const isOurs = (number) => number === pid || (all.has(number) && isOurs(all.get(number).parent));

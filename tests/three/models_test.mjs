@@ -36,7 +36,7 @@ const run = (...words) => execFileSync(path.join(bin, "multum"), words, { cwd: f
   stdio: ["ignore", "pipe", "pipe"] });
 const percent = (error) => `${(100 * error).toFixed(1)} %`;
 
-/** By row { error, energy, lobed }, and the floor's and the reference's noise. */
+/** Returns { error, energy, lobed } by row, and the noise of the floor and of the reference. */
 async function measured(page, name) {
   await page.evaluate((model) => globalThis.lab.begin(model), { url: `/files/${name}.glb`, reach: REACH });
   const { floor, noise } = await page.evaluate((view) => globalThis.lab.refer(view), VIEW);

@@ -52,7 +52,7 @@ def main():
     core = objects(folder)
     if (own := core.keys() - objects(whole).keys()) != OWN:
         sys.exit(f"only the core build compiles {sorted(own)}, expected {sorted(OWN)}")
-    for name in OWN:  # compiled, nothing made before
+    for name in OWN:  # compiles without building anything else first
         command = run("ninja", "-C", folder, "-t", "commands", "-s", core[name])
         run("bash", "-c", f"cd '{folder}' && {command.strip()} -fsyntax-only")
     print(f"{len(core)} sources, {len(own)} of its own")

@@ -8,7 +8,7 @@ after the name.
     ARCHITECTURE.md                                some folder has a page of that name
 
 Comments and messages may span several lines. Usage: document_paths_test.py [--root FOLDER] first checks itself on texts
-of its own, and then the tree. Prints one line per dead name and then exits with code 1.
+of its own, and then the tree. Prints one line per dead name, and exits with code 1 if there are any.
 """
 import argparse
 import os
@@ -115,7 +115,7 @@ class Tree:
 
 def check_itself():
     page = "# Title\n\n## The `first` part\n\n**Bold words.** Text.\n\n```sh\n# no heading\n```\n"
-    cases = [  # text of a source, and how many dead names it has
+    cases = [  # text of a source, and its number of dead names
         ('// Rows (docs/a/page.md,\n// "The first part").\n', 0),
         ('// Rows (docs/a/page.md, "The second part").\n', 1),
         ('// docs/a/page.md, "Bold words", "The first part" and docs/a/page.md\n', 0),

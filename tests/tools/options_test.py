@@ -29,7 +29,7 @@ def printed_options(text):
         if found is None:
             continue
         letter, name, rest = found.groups()
-        words = re.split(r"\s{2,}", rest, maxsplit=1)[0]  # the type and the default; then comes the description
+        words = re.split(r"\s{2,}", rest, maxsplit=1)[0]  # the type and the default, before the description
         default = re.search(r"=([^\s=)\]]+)$", words)
         options[name] = default.group(1) if default else ""
         if letter:

@@ -60,7 +60,7 @@ class PartsTest(unittest.TestCase):
     def test_error_is_of_all_values(self):
         black = np.zeros((2, 3, 4, 3), np.uint8)
         other = black.copy()
-        other[1, 2, 3, 0] = 255  # a difference that 8 bits cannot square
+        other[1, 2, 3, 0] = 255  # 8 bits cannot hold the square of this difference
         self.assertAlmostEqual(fields.mse(black, other), 255 ** 2 / black.size, places=3)
 
     def test_places_add_up(self):
@@ -79,7 +79,7 @@ class PartsTest(unittest.TestCase):
         points = [(400, 20.0), (100, 5.0)]
         self.assertAlmostEqual(curves.value_at(points, 200), 10.0)
         self.assertAlmostEqual(curves.value_at(points, 400), 20.0)
-        self.assertAlmostEqual(curves.value_at(points, 99), 5.0)  # it came near what was asked for
+        self.assertAlmostEqual(curves.value_at(points, 99), 5.0)  # close to the requested value
         self.assertIsNone(curves.value_at(points, 401))
         self.assertIsNone(curves.value_at(points, 95))
 
@@ -102,7 +102,7 @@ class PartsTest(unittest.TestCase):
                 sizes, errors = zip(*[(size, fields.mse(decoded, frames)) for size, decoded in
                                       (video_codecs.coded(codec, codec.qualities[at], frames) for at in (0, -2))])
                 self.assertGreater(sizes[0], 1.5 * sizes[1])
-                self.assertLess(errors[0], 12)  # colours that are mixed up would be far off
+                self.assertLess(errors[0], 12)  # swapped colours would differ much more
                 self.assertLess(errors[0], errors[1])
 
     def test_settings_of_a_job(self):
@@ -143,7 +143,7 @@ class DemosTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as holder:
             folder = pathlib.Path(holder)
             write_traced_field(folder / "data/field_demo1")
-            hakura2000.TARGETS = (12, 20)  # a field of 83 kB is no 384th
+            hakura2000.TARGETS = (12, 20)  # 1/384 of a field of 83 kB is not possible
             made = study.Study(hakura2000.TITLE, folder / "page", pathlib.Path(programs).resolve(), folder / "data",
                                64, 2)
             hakura2000.pages_that_play(made, [])

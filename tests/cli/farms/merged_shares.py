@@ -87,7 +87,7 @@ class MergedSharesTest(unittest.TestCase):
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
             self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
-        for _ in range(2):  # again, as a farm may
+        for _ in range(2):  # twice, as a farm may
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)
 
@@ -95,7 +95,7 @@ class MergedSharesTest(unittest.TestCase):
         """Returns texts that are not a valid record of share `index` of 3, whose valid record exists."""
         good = self.record(index).read_text()
         line, _ = good.splitlines()
-        self.assertEqual(signed(line), good)  # so that what is refused is not always the hash
+        self.assertEqual(signed(line), good)  # so that checks other than the hash refuse too
         record = json.loads(line)
         content = record["content"]
         texts = ["", "{", good[:len(good) // 2], good + "\n", signed(""), signed("[" * 100000), signed("\x00" * 64),

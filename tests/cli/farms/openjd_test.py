@@ -77,7 +77,7 @@ class FarmTest(unittest.TestCase):
 class SharesTest(FarmTest):
     def test_shares_make_what_one_run_makes(self):
         whole = self.baked_here()
-        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one twice
+        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one of them twice
             self.succeed("bake", "--manifest", self.manifest, "--shard", share)
         self.assertEqual(contents(self.folder / "out"), whole)
 
@@ -169,7 +169,7 @@ class BundleTest(FarmTest):
         self.assertIn("rock_1002.png", task.failures[0])
 
     def test_a_canceled_task_goes_on_where_it_stopped(self):
-        self.succeed("testmap", self.folder / "large", "--size", 2048)  # some seconds: lines are a second apart
+        self.succeed("testmap", self.folder / "large", "--size", 2048)  # takes some seconds: lines come one per second
         file = self.folder / "out/large.ndf.exr"
         bundle, _ = self.bundle("bake", self.folder / "large_normal.png", "-o", file)
         [step] = bundle.steps()

@@ -65,7 +65,7 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
                 self.succeed("--merge", 3)
                 self.assertEqual(merged_shares.hashes(self.out), self.whole)
         plans = [json.loads((self.folder / f"whole-{name}/plan.json").read_text()) for name in ("plain", "bytes")]
-        self.assertLess(plans[1]["bytes"], plans[0]["bytes"])  # the budget did something
+        self.assertLess(plans[1]["bytes"], plans[0]["bytes"])  # the budget changes the result
 
     def test_the_report_has_what_shares_measured(self):
         self.succeed("--shard", "1-3/3")

@@ -25,7 +25,7 @@ del sys.argv[at:at + 2]
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "gltf"))
 import gltf_test  # noqa: E402
 
-GRACE_SECONDS = 30  # of a farm; a quarter of it must do
+GRACE_SECONDS = 30  # a farm's grace period; a quarter of it must be enough
 SIZE = 128
 
 
@@ -34,11 +34,11 @@ class Row:
     """A command. `{out}` in its words is replaced by the folder of its results."""
     name: str
     words: tuple
-    keeps: tuple = ()   # beginnings of names, hidden ones too, that may be there when it was stopped
-    before: tuple = ()  # commands that make what it works on in `out`
-    timed: tuple = ("report.json", "report.html")  # results that have times in them, and differ from run to run
-    until: str = ""     # a stage that it must have begun
-    share: float = 0.3  # of its time, after which it is stopped
+    keeps: tuple = ()   # prefixes of names, also hidden ones, that may exist after the stop
+    before: tuple = ()  # commands that make its inputs in `out`
+    timed: tuple = ("report.json", "report.html")  # results that hold times and so differ between runs
+    until: str = ""     # a stage that must have begun before the stop
+    share: float = 0.3  # share of its run time before the stop
 
 
 MAP = ("{maps}/map_normal.png",)
@@ -51,7 +51,7 @@ ROWS = (
     Row("bake gmm", ("bake", *MAP, *ONE, "--ndf", "gmm", "--resume"), PARTIAL),
     Row("bake refine", ("bake", *MAP, *ONE, "--refine", "--resume"), PARTIAL),
     Row("bake target", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--target-error", "0.5", "--ndf", "vmf", "--brdf",
-                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # most of it draws a picture
+                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # mostly draws a picture
     Row("bake budget", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--budget-ms", "1e6"), until="choose settings"),
     Row("bake several", ("bake", *MAP, "{maps}/second_normal.png", "-o", "{out}", "--no-measure", "--resume"),
         (*PARTIAL, "map_normal.ndf.exr")),
@@ -154,7 +154,7 @@ class SigtermTest(unittest.TestCase):
                     break
             time.sleep(pause)
             child.send_signal(signal.SIGTERM)
-            time.sleep(0.01)  # or both are one
+            time.sleep(0.01)  # else both signals count as one
             child.send_signal(signal.SIGTERM)
             sent = time.monotonic()
             said = child.communicate(timeout=GRACE_SECONDS)[1]
@@ -164,7 +164,7 @@ class SigtermTest(unittest.TestCase):
         for row in ROWS:
             with self.subTest(row.name):
                 whole, pauses = {}, (0.0,) if row.until else (0.2, 0.05, 0.0)
-                if row.keeps:  # others begin anew, as the first time
+                if row.keeps:  # other commands begin again, as in the first run
                     whole_out = self.out_of(row, "whole")
                     begin = time.monotonic()
                     self.prepare(*self.words_of(row.words, whole_out))
@@ -178,7 +178,7 @@ class SigtermTest(unittest.TestCase):
                     code, waited, said = self.stopped(row, out, pause)
                     self.assertIn(code, (0, 130), said)
                     self.assertLess(waited, GRACE_SECONDS / 4)
-                    if code == 130:  # otherwise all was done when the signal came
+                    if code == 130:  # else the run had ended before the signal
                         break
                 self.assertEqual(code, 130, "the command ended before the signal")
                 self.assertIn("cancelled", said)

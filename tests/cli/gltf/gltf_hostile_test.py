@@ -16,7 +16,7 @@ from gltf_test import INPUT_REFUSED, USAGE, ENVIRONMENT, packed, plain_model
 from model_writing import bumps, glb_of
 
 MULTUM = ""
-BROKEN_FILES = 60  # of the last test: a process each
+BROKEN_FILES = 60  # runs of the last test, one process each
 
 
 class HostileTest(unittest.TestCase):
@@ -166,13 +166,13 @@ class HostileTest(unittest.TestCase):
         text = json.dumps(model.json).encode()
         for number in range(BROKEN_FILES):
             data = bytearray(good)
-            if number % 3 == 0:  # numbers of the JSON, which stays JSON
+            if number % 3 == 0:  # changes numbers; the JSON stays valid
                 numbers = [i for i, c in enumerate(text) if chr(c).isdigit()]
                 changed = bytearray(text)
                 for _ in range(2):
                     changed[rng.choice(numbers)] = ord(rng.choice("0123456789"))
                 data = glb_of(bytes(changed), model.bytes)
-            elif number % 3 == 1:  # any byte of the frame and the JSON
+            elif number % 3 == 1:  # changes any byte of the frame and the JSON
                 for _ in range(3):
                     data[rng.randrange(20 + len(text))] = rng.randrange(256)
             else:  # the images

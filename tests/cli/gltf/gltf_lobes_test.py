@@ -142,7 +142,7 @@ class GltfLobesTest(FolderCase):
                                       {"lobes": 1, "roughnessFactor": 0.7}, None])
         self.assertEqual(len(report["textures"]), 2)
         self.assertEqual(key_of(self.lobes_of(after, 1))[3]["wrapT"], "clamp")
-        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map; roughness is not in it
+        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map, without roughness in it
 
     def coloured(self, *colours):
         """Converts steep facets with one material for each of `colours`. Facets that look right are bright ("with"),

@@ -240,7 +240,7 @@ class ReadersTest(FolderCase):
                 self.assertEqual(after["errors"], 0, after)
                 new = set(after["messages"]) - set(before["messages"])
                 self.assertEqual({message.split()[0] for message in new},
-                                 {"VALUE_NOT_IN_LIST", "IMAGE_UNRECOGNIZED_FORMAT"})  # as assert_valid() has them
+                                 {"VALUE_NOT_IN_LIST", "IMAGE_UNRECOGNIZED_FORMAT"})  # allowed by assert_valid()
                 self.assertEqual(len(after["textures"]), 2 * len(report["textures"]))
                 self.draw(stem + ".png", {"models": [source, self.path(stem + ".glb")], "distances": distances,
                                           "from": [1, 0.4, 0.5] if "ship" in name else [0.3, 0.2, 1],

@@ -303,7 +303,7 @@ class GltfTest(FolderCase):
     def test_what_is_not_known_is_not_touched(self):
         model = plain_model()
         before_views = len(model.json["bufferViews"])
-        for index in (0, before_views - 2):  # a texture's index; a buffer view's
+        for index in (0, before_views - 2):  # index of a texture; of a buffer view
             with self.subTest(index=index):
                 model = plain_model()
                 model.json["extensionsUsed"] = ["ACME_thing"]
@@ -414,7 +414,7 @@ class GltfTest(FolderCase):
         self.assertIn("KHR_materials_anisotropy", after.json["extensionsUsed"])
         self.assertNotIn("KHR_materials_anisotropy", after.json["extensionsRequired"])
         red, green, blue, _ = after.levels(extension["anisotropyTexture"]["index"])[2].at(1, 1)
-        self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, which the normals lean to
+        self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, the direction of the tilts
         self.assertAlmostEqual(2 * green / 255 - 1, 0.0, delta=0.05)
         self.assertGreater(blue, 150)
         for transform in ({"rotation": 1.0}, {"scale": [-1.0, 1.0]}, {"scale": [1.0, -1.0]}):

@@ -20,7 +20,7 @@ from model_writing import Model, bumps  # noqa: E402  pylint: disable=wrong-impo
 MULTUM = ""
 SKIPPED = 77
 ENVIRONMENT, USAGE = 4, 2
-BAKER, ATTACKER = 12345, 54321  # users that need no account
+BAKER, ATTACKER = 12345, 54321  # user numbers that need no account
 PRECIOUS = "weeks of work"
 
 

@@ -77,10 +77,10 @@ class SweepTest(unittest.TestCase):
         shutil.rmtree(self.out)
 
     def commands(self):
-        """The commands write into the folder out. A second run continues or begins again."""
+        """Returns commands that write into the folder out. Their second run continues or begins again."""
         farm = [["openjd", "-o", "out/a", "bake", "map.png", "-o", "b.ndf.exr"]]
         if self.run_multum(["openjd", "--help"]).returncode != 0:
-            farm = []  # a build without it
+            farm = []  # a build without the command
         return [["bake", "map.png", "-o", "out/a.ndf.exr", "--report", "out/a.json"],
                 ["bake", "map.png", "-o", "out/a.ndf.exr", "--ndf", "sh"],
                 ["bake", "map.png", "other.png", "-o", "out"],
@@ -217,7 +217,7 @@ class SweepTest(unittest.TestCase):
             connection.close()
             small = os.path.join(service.root, "map.png")
             shutil.copy(os.path.join(self.top, "map.png"), small)
-            for number in range(20):  # logs, the ledger and pictures find the disk full at different moments
+            for number in range(20):  # logs, ledger and pictures notice the full disk at different moments
                 with open(os.path.join(service.data, "filler"), "ab") as filler:
                     try:
                         filler.write(bytes(1 << 20))

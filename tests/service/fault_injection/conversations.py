@@ -217,7 +217,7 @@ def main():
         if service.process.poll() is not None:
             fail(f"it ended with {service.process.returncode}: {service.log_text()[-3000:]}")
         before = before or process_state(service.process.pid)
-        deadline = time.monotonic() + 30  # lines that linger
+        deadline = time.monotonic() + 30  # waits for open connections to end
         while (after := process_state(service.process.pid))[1] > 40 and time.monotonic() < deadline:
             time.sleep(0.1)
         print(f"{count} conversations in {time.monotonic() - begun:.0f} s, answers by status: "

@@ -88,13 +88,13 @@ def main():
                     faults.order(call, error)
                     deadline = time.monotonic() + 60
                     while True:
-                        if service.process.poll() is not None:  # it may end, and must be fit to be started again
+                        if service.process.poll() is not None:  # the daemon may end, but must start again
                             faults.order(0, 0)
                             restarts += 1
                             service.start()
                         try:
                             state = service.job(job)
-                        except (AssertionError, OSError):  # 503, or it has just ended
+                        except (AssertionError, OSError):  # answers 503, or has just ended
                             state = {"state": "unknown"}
                         if state["state"] in ("succeeded", "dead", "cancelled"):
                             break
@@ -106,11 +106,11 @@ def main():
                     faults.order(0, 0)
                     check_result(kind, root, number, state)
                     failed += hit
-                    if call > calls:  # the job made fewer
+                    if call > calls:  # the job made fewer calls than this
                         break
                     call += options.every
         service.stop()
-        service.start()  # its start looks after what is left
+        service.start()  # a restart cleans up
         left = [name for name in os.listdir(root) if name.startswith(".multum")]
         if left:
             fail(f"left behind: {left}")

@@ -73,7 +73,7 @@ class Fuzzer:
         job = self.value_of({"$ref": "#/components/schemas/Submission"})
         job["type"] = name
         job["parameters"] = self.value_of({"$ref": f"#/components/schemas/{name.capitalize()}Parameters"})
-        if self.random.random() < 0.7:  # one that is taken
+        if self.random.random() < 0.7:  # a value that is accepted
             for key in ("needs", "queue", "output", "device"):
                 job.pop(key, None)
         return job
@@ -143,14 +143,14 @@ class Fuzzer:
             longer = target.rstrip("/") + "/" + self.path_part(jobs)
             return method.upper(), longer, None, (400, 404, 405, 409, 200, 201, 202)
         if path == "/v1/queues/{queue}/resume":
-            return "POST", "/v1/queues/nobody/resume", None, (404,)  # the fuzzer's jobs are not to run
+            return "POST", "/v1/queues/nobody/resume", None, (404,)  # jobs of the fuzzer must not run
         if "requestBody" not in operation:
             if "?" in target:
                 return method.upper(), target, None, (200, 400)
             return method.upper(), target, None, (200, 202, 404, 409) if "{" in path else (200,)
         body, is_taken = self.body(operation)
         if not is_taken:
-            refused = (400, 404) if "{" in path else (400,)  # a target may name nothing
+            refused = (400, 404) if "{" in path else (400,)  # a target may match no route
             return method.upper(), target, body, refused if len(body) <= 1 << 20 else (413,)
         right = tuple(int(one) for one in operation["responses"] if one.isdigit() and one < "300")
         return method.upper(), target, body, right + ((400, 404, 409) if "{" in path else (REASONS,))
@@ -175,14 +175,14 @@ def main():
         before = None
         connection = service.connection()
         for number in range(options.requests):
-            if number == options.requests // 5:  # caches are warm
+            if number == options.requests // 5:  # caches are filled by now
                 connection.close()
                 before = state()
             method, target, body, right = fuzzer.next(jobs)
             try:
                 connection.request(method, target, body)
                 response = connection.getresponse()
-            except (http.client.HTTPException, OSError):  # was closed after a refusal
+            except (http.client.HTTPException, OSError):  # closed after a refusal
                 connection.close()
                 connection.request(method, target, body)
                 response = connection.getresponse()
@@ -207,7 +207,7 @@ def main():
         connection.close()
         assert service.ask("GET", "/healthz")[0] == 200 and service.process.poll() is None
         after = state()
-        end = time.monotonic() + 10  # connections are closed when the daemon comes to it
+        end = time.monotonic() + 10  # the daemon closes connections with a delay
         while after[1] > before[1] and time.monotonic() < end:
             time.sleep(0.05)
             after = state()

@@ -233,7 +233,7 @@ def main():
     try:
         begun = time.monotonic()
         farm.submit()
-        time.sleep(3)  # the last are on their way to Slurm
+        time.sleep(3)  # the last jobs are being sent to Slurm
         submitted = farm.service.metric("multum_slurm_submitted_total")
         spent = farm.service.metric("multum_slurm_submit_seconds_total")
         per_job = {"sbatch calls": submitted, "ms a call": round(1000 * spent / max(1, submitted), 1),

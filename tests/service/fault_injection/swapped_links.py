@@ -137,7 +137,7 @@ def main():
                 kind = "scene" if downloads % 4 == 0 else "bake"
                 try:
                     status, answer = service.ask("GET", f"/v1/jobs/{first[kind]}/result")
-                except http.client.IncompleteRead as cut:  # an archive whose files go while it is sent
+                except http.client.IncompleteRead as cut:  # an archive whose files vanish while it is sent
                     status, answer = "cut", cut.partial
                 downloads += 1
                 answers[kind, status] += 1
