@@ -64,7 +64,7 @@ def copies(root):
     for name, text in written.items():
         for number, line in enumerate(text.splitlines(), start=1):
             for run in runs_of(line):
-                # Any LEAST neighbours of the run.
+                # Tries every LEAST neighbours of the run.
                 for at in range(len(run) - LEAST + 1):
                     part = run[at:at + LEAST]
                     if len(set(part)) < LEAST:

@@ -51,7 +51,7 @@ def main():
     parser.add_argument("output", type=pathlib.Path)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("files", nargs="+", help="names below FOLDER")
-    parser.add_argument("--header", required=True, help="the header that declares what is written")
+    parser.add_argument("--header", required=True, help="the header that declares the function or the variables")
     parser.add_argument("--namespace", default="multum")
     parser.add_argument("--flatten-into", type=pathlib.Path)
     form = parser.add_mutually_exclusive_group(required=True)

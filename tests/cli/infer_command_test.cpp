@@ -182,7 +182,7 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
     EXPECT_EQ(stopped.signal, signal == SIGINT ? 0 : SIGKILL);
     EXPECT_FALSE(fs::exists(path("out/inferred.json")));
     if (signal == SIGINT) {
-      EXPECT_EQ(textures(), named_textures()) << "something is half-written";
+      EXPECT_EQ(textures(), named_textures()) << "a file is half-written";
     }
     for (const std::string& texture : named_textures()) {
       EXPECT_NO_THROW(read_inferred_texture(path("out/" + texture))) << texture;

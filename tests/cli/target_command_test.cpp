@@ -34,7 +34,7 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
   }
   EXPECT_TRUE(found) << report["error"];
-  // Errors of other footprints than those that decided, which the report lists, and of the worst of them.
+  // The report lists errors at footprints that had no part in the choice, and the worst of these errors.
   std::smatch judged;
   ASSERT_TRUE(std::regex_search(
       met.out, judged,

@@ -32,8 +32,8 @@ bool has_more_error(const nlohmann::json& a, const nlohmann::json& b) {
          std::hypot(a.at("confidence_95").get<double>(), b.at("confidence_95").get<double>());
 }
 
-// Returns whether a row is off the front: another row is at least as good in bytes and in error (beyond both
-// intervals), and better in one of the two.
+// Returns whether another row beats this one: it is at least as good in bytes and in error (beyond both intervals), and
+// better in one of the two.
 bool is_beaten(const nlohmann::json& one, const nlohmann::json& rows) {
   return std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& other) {
     return other.at("gpu_bytes") <= one.at("gpu_bytes") && !has_more_error(other, one) &&

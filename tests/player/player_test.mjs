@@ -504,7 +504,7 @@ const steps = {
     const { most, pictures } = await page.evaluate(async () => {
       const player = globalThis.multumPlayer;
       const { gl } = player.gl;
-      // The page counts its own fences. Here the driver's fences come late, as those of a slow driver do.
+      // The page counts its own fences. Here the driver's fences come late, as with a slow driver.
       const known = gl.getSyncParameter.bind(gl);
       const made = new Map();
       const fenceSync = gl.fenceSync.bind(gl);

@@ -338,7 +338,7 @@ class ServiceTest(ClientCase):
         reload(queues)
         self.assertEqual(paused(), ["default", "night"])
 
-    # ---- What is refused
+    # ---- Refusals
 
     def test_requests_that_make_no_sense(self):
         self.start()

@@ -417,7 +417,7 @@ class SlurmTest(ClientCase):
         self.succeed(fine, "fine")
         self.nothing_is_left()
 
-    # ---- What is refused
+    # ---- Refusals
 
     def test_what_slurm_refuses(self):
         service = self.start_slurm('partition = "nowhere"')

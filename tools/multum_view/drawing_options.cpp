@@ -41,7 +41,7 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
 
 void add_shading_options(CLI::App& app, ShadingOptions& options) {
   add_choice(app, "--formula", options.formula, kLobeFormulas,
-             "combine lobe and BRDF by product (of mean cosines) or paper (Han 2007, eq. 20)");
+             "how to combine lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)");
   app.add_flag("--shade-first", options.shade_first,
                "shade the lobes of all eight texels of a trilinear footprint, then mix; slow, and needed for bakes "
                "with --unaligned");

@@ -74,7 +74,7 @@ TEST_F(PackResumeTest, WhatWasCodedIsTakenUp) {
   EXPECT_FALSE(fs::exists(partial("whole.mpt")));
   FieldPackSettings how = settings("field.mpt");
   stop_after(5, how);
-  EXPECT_FALSE(fs::exists(partial("field.mpt"))) << "nobody said that it goes on";
+  EXPECT_FALSE(fs::exists(partial("field.mpt"))) << "without resume no partial work is kept";
   how.resume = true;
   stop_after(5, how);
   ASSERT_TRUE(fs::exists(partial("field.mpt") + "/chunks"));

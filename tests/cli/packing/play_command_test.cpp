@@ -161,7 +161,7 @@ TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json found = statistics("frames");
   for (const json& one : found["frames"]) EXPECT_LE(one["images_missing"], one["images_needed"]);
-  // By the end of the path most images are decoded; on any machine, those of the last sample are.
+  // By the end of the path most images are decoded. On any machine, the last sample's images are decoded.
   EXPECT_LE(found["bytes_most"], found["memory_max"]);
   double sum = 0.0, count = 0.0;
   const Png8Image shown = frame("frames", 29), exact = sample("2,1");

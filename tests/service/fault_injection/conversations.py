@@ -225,7 +225,7 @@ def main():
         print(f"resident {before[0] >> 10} -> {after[0] >> 10} KiB, files {before[1]} -> {after[1]}, threads "
               f"{before[2]} -> {after[2]}, budget in use {service.metric('multum_http_memory_bytes') / 1024:.0f} KiB")
         if after[0] > before[0] + (options.memory_growth_max << 20) or after[2] > before[2] or after[1] > 40:
-            fail("something is left behind")
+            fail("more memory, files or threads are in use than before")
         if service.metric("multum_http_memory_bytes") > 1 << 20:
             fail("the memory budget was not released")
         if min(statuses[one] for one in (200, 400, 404)) == 0:

@@ -251,7 +251,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--memory", options.memory, "most memory for decoded data: 800M, 2G")->capture_default_str();
   app.add_option("--upload", options.upload, "most bytes uploaded to the GPU per frame, with --no-wait")
       ->capture_default_str();
-  app.add_option("--lifetime", options.lifetime, "number of frames that an unused image of one sample is kept")
+  app.add_option("--lifetime", options.lifetime, "number of frames for which an unused image of one sample is kept")
       ->check(number_in(0.0f, 1e6f))
       ->capture_default_str();
   app.add_option("--lifetime-factor", options.lifetime_factor,
