@@ -167,7 +167,8 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   EXPECT_LT(error_of({}), without + 0.03) << "harmonics";
   write_movmf_mipmap(path("map.ndf.exr"), with_roughness(31.0f / 32.0f).mipmap, {});
   fs::remove(path("out.png"));
-  expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2, {"map.ndf.exr", "baked with roughness", "--brdf"});
+  expect_refusal({"-o", path("out.png"), "--brdf", "blinn-phong:30"}, 2,
+                 {"map.ndf.exr", "baked with roughness", "--brdf"});
   expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, {"--roughness", "--source"});
 }
 
