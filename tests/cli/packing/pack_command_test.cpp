@@ -170,7 +170,7 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const ProgramResult by_error = pack("error.mpt", {"--mse-max", "6"});
   EXPECT_EQ(by_error.err.find("warning"), std::string::npos) << by_error.err;
   expect_refusal(pack("none.mpt", {"--ratio", "384"}), kUsage,
-                 {"a ratio of 384, 324 bytes, cannot be met", "--mse-max"});
+                 {"a ratio of 384 (324 bytes) cannot be met", "--mse-max"});
   // Without a report the allowed error is unknown.
   fs::remove(path("out/report.json"));
   expect_refusal(pack("none.mpt", {}), kUsage, {"a ratio of 384", "cannot be met", "--ratio", "--mse-max"});
@@ -327,7 +327,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   refused(whole.substr(0, 20), {"bad.mpt", "cut short within its index"});
   refused(whole + "x", {"bad.mpt", fmt::format("its index says {}", whole.size())});
   refused("MPTF", {"bad.mpt", "cut short"});
-  refused("some text, longer than a head", {"bad.mpt", "no packed field"});
+  refused("some text, longer than a head", {"bad.mpt", "not a packed field"});
   std::string damaged = whole;
   damaged[12] = static_cast<char>(damaged[12] ^ 1);
   refused(damaged, {"bad.mpt", "index is damaged"});
@@ -337,7 +337,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   refused(damaged, {"bad.mpt", "section 0 (description)", "checksum"});
   expect_refusal(unpack("none.mpt", "bad"), kInput, {"none.mpt", "cannot be read"});
   const std::string manifest = read_bytes(path("out/inferred.json"));
-  expect_refusal(unpack("field.mpt", "out"), kUsage, {"out/inferred.json", "there already"});
+  expect_refusal(unpack("field.mpt", "out"), kUsage, {"out/inferred.json", "already exists"});
   expect_refusal(pack("out/inferred.json", {"--lambda", "50"}), kUsage, {"inferred.json"});
   EXPECT_EQ(read_bytes(path("out/inferred.json")), manifest);
   fs::remove(path("out/matrices/v01_p00_board.fmx"));
