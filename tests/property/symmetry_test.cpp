@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests what a bake keeps if a map is mirrored, rotated by 90 degrees or tiled twice, as
-// docs/contributing/ALGORITHMS.md
-// promises in "Reasons for the file format". The lobes are not kept; their difference is measured and printed.
+// docs/contributing/ALGORITHMS.md promises in "Reasons for the file format". The lobes are not kept; their difference
+// is measured and printed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
