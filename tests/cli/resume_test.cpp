@@ -64,7 +64,7 @@ class ResumeTest : public CliTest {
     Program bake(command(options));
     wait_for_rows(bake, partial(), 2);
     bake.send(SIGKILL);
-    ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
+    ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake ended before the kill";
     ASSERT_GT(kept_rows(partial()).size(), 0u);
   }
   std::uint64_t rows_resumed() const {
@@ -145,7 +145,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
     wait_for_rows(stopped, path(".multum-partial-" + name), 2);
     const auto asked = std::chrono::steady_clock::now();
     stopped.send(SIGTERM);
-    EXPECT_EQ(stopped.wait().exit_code, 130) << name << ": it was quicker than the signal";
+    EXPECT_EQ(stopped.wait().exit_code, 130) << name << ": it ended before the signal";
     EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(30));
     EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
     with_resume.insert(with_resume.end(), {"--report", path("report.json")});
@@ -176,7 +176,7 @@ TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   const std::string partial_of_scene = path("out/.multum-partial-wall.ndf.exr/.multum-partial-chosen.exr");
   wait_for_rows(stopped, partial_of_scene, 2);
   stopped.send(SIGTERM);
-  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
+  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake ended before the signal";
   EXPECT_FALSE(std::filesystem::exists(file));
   ASSERT_TRUE(has_rows(partial_of_scene, 2));
   ASSERT_EQ(run_program(scene).exit_code, 0);
@@ -195,7 +195,7 @@ TEST_F(ResumeTest, ATerminatedSetGoesOn) {
   Program stopped(set);
   wait_for_rows(stopped, path(".multum-partial-rock_1002.ndf.exr"), 2);
   stopped.send(SIGTERM);
-  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
+  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake ended before the signal";
   ASSERT_TRUE(std::filesystem::exists(path("rock_1001.ndf.exr")));
   EXPECT_FALSE(std::filesystem::exists(path("rock_1002.ndf.exr")));
   EXPECT_TRUE(has_rows(path(".multum-partial-rock_1002.ndf.exr"), 2));
@@ -215,7 +215,7 @@ TEST_F(ResumeTest, WhoDoesNotAskForItKeepsAllButTheFinestLevel) {
   Program bake(command({}));
   wait_for_rows(bake, partial(), 3);
   bake.send(SIGKILL);
-  ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
+  ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake ended before the kill";
   EXPECT_FALSE(has_rows(partial(), 1));
   const ProgramResult resumed = run_program(command({"--resume", "--report", path("report.json")}));
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
