@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # Writes one ctest entry for each suite of a GoogleTest program: cmake -DPROGRAM=... -DOUTPUT=... -DTIMEOUT=...
-# -DSLOW="suite suite" -P list_suites.cmake. SLOW: those labelled slow; the others are fast.
+# -DSLOW="suite suite" -P list_suites.cmake. The suites in SLOW are labelled slow; the others are labelled fast.
 cmake_policy(VERSION 3.25)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY TIMEOUT 60)
-string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}")  # cases are indented
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}")  # lines of cases are indented
 separate_arguments(SLOW)
-# GoogleTest's last lines when every case was skipped; when one failed, others follow.
+# GoogleTest's last lines when every case was skipped. When a case failed, other lines follow.
 set(skipped "\\[  PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\] [^\n]*\n*)+$")
 set(entries "")
 foreach(suite ${suites})
   string(REGEX REPLACE "[ \n]|\\.[ \n]" "" suite "${suite}")
   set(label fast)
-  string(REGEX REPLACE "^.*/" "" name "${suite}")  # without the prefix of an instantiation
+  string(REGEX REPLACE "^.*/" "" name "${suite}")  # removes the prefix of an instantiation
   if(name IN_LIST SLOW)
     set(label slow)
   endif()

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds messages of code that several commands share which name an option by hand: a command that lacks it would advise
-it all the same. advice() and option_text() of host/foundation/base/messages/option_words.h name options of the
-command that runs.
+"""Finds shared code whose messages name an option literally: a command without that option would print them too.
+
+advice() and option_text() of host/foundation/base/messages/option_words.h name
+options of the command that runs.
 
     tools/check_advice.py [--root DIR]     # exit code 1, and a line for each message
 
-Refusals of a setting's value (ErrorCode::kUsage) name what was given. Options of other programs, and those that a file
-was made with, stand behind the program's name: "multum bake --ndf vmf", "baked without --roughness".
+Refusals of a setting's value (ErrorCode::kUsage) may name what was given. Options of other programs, and options that a
+file was made with, come after the program's name: "multum bake --ndf vmf", "baked without --roughness".
 """
 import argparse
 import pathlib
@@ -17,7 +18,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gltf", "image", "light", "look",
           "manifest", "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
-# Code that one command alone runs, whose options these are; and command lines that are run.
+# Sources that only one command uses, with the command whose options they name; and sources that run command lines.
 OF_ONE_COMMAND = {
     "host/bakes/bake/region_bake.cpp": "bake --region", "host/foundation/base/share_record.cpp": "those with --shard",
     "host/delivery/export/export_job.cpp": "export", "host/delivery/export/lobes/lobe_export.cpp": "export --lobes",
@@ -38,7 +39,7 @@ NAMED = re.compile(r"(?:multum [a-z]+|oiiotool|maketx|baked with|baked without)(
 
 
 def advised(text):
-    """The options that a source names by hand, each with its line."""
+    """Returns the options that a source names literally, each with its line."""
     text = re.sub(r"//[^\n]*", "", text)
     position = 0
     for statement in re.split(r"(;|\{\n|\}\n)", text):

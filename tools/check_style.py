@@ -17,14 +17,15 @@ HERE = pathlib.Path(__file__).resolve().parent
 LINE_LENGTH_MAX = 120
 COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
            ".cmake": "#", ".txt": "#", "": "#", ".js": "//", ".mjs": "//", ".css": "/*"}
-# A source that no build names is dead; kernels are globbed, headers live by their includes.
+# Every source with these endings must be named by a build file, or it is dead. Kernels are globbed; headers are
+# included.
 BUILT = {".cpp", ".cl", ".glsl", ".vert", ".frag"}
 SOURCE_FOLDERS = ("kernels", "host", "runtime_gl", "tools", "tests")
 SKIPPED = ("build", "out", ".git", "__pycache__", "node_modules")
 
 
 def project_files(root):
-    """Files that the rules are for: sources, scripts and CMake files, wherever they lie."""
+    """Yields the files that the rules apply to: sources, scripts and CMake files in every folder."""
     found = []
     for folder, folders, names in os.walk(root):
         folders[:] = [f for f in folders if f not in SKIPPED]
@@ -42,13 +43,15 @@ def check_text(file, text):
         if len(line) > LINE_LENGTH_MAX:
             yield number, f"{len(line)} characters, at most {LINE_LENGTH_MAX}"
         if re.search(r"\b(FIX" r"ME|XX" r"X)\b", line):
-            yield number, "FIX" "ME and XX" "X may not be merged: name an issue with TODO, or mend it"
+            yield number, "FIX" "ME and XX" "X may not be merged: name an issue with TODO, or fix it"
     if not any("SPDX-License-Identifier: Apache-2.0" in line for line in lines[:3]):
         yield 1, "found no line 'SPDX-License-Identifier: Apache-2.0' among the first three"
 
 
 def has_header_comment(file, lines):
-    """A comment beside the licence line, before the first line of code. A .cpp may leave it to its header."""
+    """Returns whether a comment besides the licence line comes before the first line of code. A .cpp may leave the
+    comment
+    to its header."""
     if file.suffix == ".cpp" and (file.with_suffix(".h").is_file() or file.with_suffix(".clh").is_file()):
         return True
     if file.name == "CMakeLists.txt":
@@ -57,20 +60,20 @@ def has_header_comment(file, lines):
     for line in lines:
         if line.startswith("#!") or "SPDX" in line or not line.strip():
             continue
-        if line.startswith("#version"):  # GLSL wants it first
+        if line.startswith("#version"):  # GLSL requires it in the first line
             continue
         return line.startswith((mark, '"""'))
     return False
 
 
 def table_rows(path, columns):
-    """Rows of a file of columns that tabs part, without empty lines and comments."""
+    """Rows of a file whose columns are separated by tabs, without empty lines and comments."""
     if not path.is_file():
         return []
     rows = [line.split("\t") for line in path.read_text().splitlines() if line and not line.startswith("# ")]
     for row in rows:
         if len(row) != columns:
-            sys.exit(f"{path}: found {len(row)} columns in '{row[0]}', expected {columns}, parted by tabs")
+            sys.exit(f"{path}: found {len(row)} columns in '{row[0]}', expected {columns}, separated by tabs")
     return rows
 
 
@@ -100,8 +103,9 @@ class WordSlips:
 
 
 def built_patterns(root, files):
-    """Regular expression of the paths that any CMakeLists.txt names or globs. A name counts in folders below too: the
-    list of shaders gets its folder put before each name."""
+    """Returns a regular expression of the paths that any CMakeLists.txt names or globs. A name also matches in
+    subfolders:
+    the list of shaders gets its folder put before each name."""
     patterns = []
     for file in (f for f in files if f.name == "CMakeLists.txt"):
         code = re.sub(r"#.*", "", file.read_text())
@@ -128,7 +132,8 @@ def folder_rows(root):
 
 
 def is_listed(folder, listed):
-    """Whether the folder has a row; one with subfolders alone (host/fields/inference) has theirs."""
+    """Returns whether the folder has a row. A folder that has only subfolders (host/fields/inference) needs one of
+    theirs."""
     return folder in listed or any(row.startswith(f"{folder}/") for row in listed)
 
 
@@ -153,7 +158,7 @@ def violations(root):
         if file.suffix in BUILT and not built.fullmatch(name):
             yield f"{name}:1: no CMakeLists.txt names it: dead"
         folder = file.parent.relative_to(root).as_posix()
-        mirror = re.match("tests/unit/(.*)", folder)  # of a folder of host/, whose row stands for both
+        mirror = re.match("tests/unit/(.*)", folder)  # mirrors a folder of host/, whose row stands for both
         wanted = f"host/{mirror[1]}" if mirror else folder
         if folder.split("/")[0] in SOURCE_FOLDERS and file.name != "CMakeLists.txt" and not is_listed(wanted, listed):
             missing_folders.add(folder)

@@ -1,25 +1,26 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a C++ file that holds the bytes of files, so that a program needs none of them beside it.
+"""Writes a C++ file that holds the bytes of files, so that a program runs without these files.
 
 As a table, a function that returns std::map<std::string, std::string_view> by the files' names:
   embed_files.py OUTPUT.cpp --header HEADER --function web_files FOLDER FILE...
 or as variables, `const char* const shader_scene_vert` for scene.vert:
   embed_files.py OUTPUT.cpp --header HEADER --variables shader_ FOLDER FILE...
-With --flatten-into FOLDER each #include "file" is replaced by that file, the first time; the results are kept in FOLDER
-too. Kernels need it: drivers know no folders, and linking separately compiled programs costs 0.4 s on every start.
+With --flatten-into FOLDER the first #include of each file is replaced by its text; FOLDER also keeps the results.
+Kernels need this option: drivers know no folders, and linking separately compiled programs costs 0.4 s at every start.
 """
 import argparse
 import pathlib
 import re
 
 INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
-# Of "??=" and its like compilers warn: they were once trigraphs.
+# Compilers warn about "??=" and similar sequences, which were once trigraphs.
 ESCAPES = {ord("\n"): "\\n", ord('"'): '\\"', ord("\\"): "\\\\", ord("?"): "\\?"}
 
 
 def flatten(folder, name, seen):
-    """Source of `name` with each include in place of its line, once; #line keeps error messages pointing at files."""
+    """Source of `name` with each include replaced by its file, once. #line makes error messages name the original
+    files."""
     if name in seen:
         return []
     seen.add(name)
@@ -35,7 +36,7 @@ def flatten(folder, name, seen):
 
 
 def literal(content):
-    """String literals, a line of the file each, which compilers join. Octal escapes end after three digits."""
+    """String literals, one per line of the file, which compilers join. Octal escapes end after three digits."""
     def escaped(line):
         return "".join(ESCAPES.get(byte) or (chr(byte) if 32 <= byte < 127 else f"\\{byte:03o}") for byte in line)
     return "\n".join(f'    "{escaped(line)}"' for line in content.splitlines(keepends=True)) or '    ""'
@@ -50,7 +51,7 @@ def main():
     parser.add_argument("output", type=pathlib.Path)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("files", nargs="+", help="names below FOLDER")
-    parser.add_argument("--header", required=True, help="the header that declares what is written")
+    parser.add_argument("--header", required=True, help="the header that declares the function or the variables")
     parser.add_argument("--namespace", default="multum")
     parser.add_argument("--flatten-into", type=pathlib.Path)
     form = parser.add_mutually_exclusive_group(required=True)

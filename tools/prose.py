@@ -6,9 +6,9 @@ import re
 import tokenize
 
 SLASHES = (".h", ".cpp", ".cl", ".clh", ".glsl", ".vert", ".frag", ".js", ".mjs")
-WORDS_MIN = 4  # strings with fewer words are names, keys and formats
+WORDS_MIN = 4  # shorter strings are names, keys and formats
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"')
-# A document's code, comments and generated figures; they keep their line breaks.
+# Parts of a document that are not prose: code, HTML comments and generated figures. Their line breaks stay.
 NO_PROSE = re.compile(r"```.*?^\s*```|<!--.*?-->|^(?:    |\t).*?$", re.DOTALL | re.MULTILINE)
 
 
@@ -44,7 +44,7 @@ def comment_start(line):
 
 
 def joined_comments(comments):
-    """`comments`: (line, column, text without its mark). Neighbours of one column are one paragraph."""
+    """Joins neighbouring comments of one column into paragraphs. `comments`: (line, column, text without its mark)."""
     paragraph, begin, last, at = [], 0, -2, -1
     for line, column, text in comments:
         if paragraph and (line != last + 1 or column != at):
@@ -74,7 +74,7 @@ def hash_comments(text):
 
 
 def strings(text):
-    """Strings in double quotes; neighbours are one."""
+    """Strings in double quotes; adjacent strings are joined."""
     for found in re.finditer(rf'{STRING.pattern}(?:\s*f?{STRING.pattern})*', text):
         words = "".join(part[1:-1] for part in STRING.findall(found[0]))
         if len(re.findall(r"[A-Za-z]{2,}", words)) >= WORDS_MIN:
@@ -100,7 +100,8 @@ def python_prose(text):
 
 
 def prose(file, text):
-    """(line, paragraph) of all prose in the file with this text: documents, comments, and strings of at least four
+    """Yields (line, paragraph) for all prose in the file with this text: documents, comments, and strings of at least
+    four
     words. Code spans read CODE."""
     if file.suffix == ".md":
         yield from document_paragraphs(text)

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the shading of lobes in other languages than GLSL, from the GLSL that multum itself draws with.
+"""Translates the lobe shading from GLSL, with which multum itself draws, into other languages.
 
     tools/shading_languages.py SHADERS OUT
 
-SHADERS is runtime_gl/shaders. OUT gets multum_lobes of four endings: .glsl (330, and ES 300 behind `precision highp
-float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The texts that are read are functions and constants of a
-small part of GLSL: floats, vectors, one texture lookup, `if`, `for` and `?:`; whatever else they hold stops the
-translation.
+SHADERS is runtime_gl/shaders. OUT gets multum_lobes with four endings: .glsl (330, and ES 300 after `precision highp
+float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The input is functions and constants of a small part of
+GLSL: floats, vectors, one texture lookup, `if`, `for` and `?:`. Anything else stops the translation.
 """
 import argparse
 import pathlib
@@ -26,7 +25,7 @@ TYPE = "|".join(TYPES)
 
 
 def without_blocks(text):
-    """The text without what stands between #ifdef and #endif, without its first comment's licence."""
+    """Returns the text without its #ifdef ... #endif sections and without the licence in its first comment."""
     kept, depth = [], 0
     for line in text.splitlines():
         word = line.split()[0] if line.split() else ""
@@ -44,7 +43,7 @@ def glsl_source(folder):
 
 
 def by_code(text, change):
-    """`change` of what is no comment."""
+    """Applies `change` to everything except comments."""
     parts = re.split(r"(//[^\n]*)", text)
     return "".join(part if part.startswith("//") else change(part) for part in parts)
 
@@ -64,7 +63,7 @@ def closing(code, opening):
 
 
 def without_choices(code):
-    """`c ? a : b` as select(b, a, c), innermost and last first."""
+    """Rewrites `c ? a : b` as select(b, a, c), innermost and last first."""
     while "?" in code:
         mark = code.rindex("?")
         begin, depth = mark, 0
@@ -93,7 +92,7 @@ def without_choices(code):
 
 
 def with_samplers(code, declared, lookup):
-    """Textures with a sampler of their own: in parameters, in calls, and where they are read."""
+    """Gives each texture a sampler of its own: in parameters, in calls, and in texture reads."""
     textures = set(re.findall(r"\bsampler2D (\w+)", code))
     for name in textures:
         pattern = re.compile(rf"\btextureLod\({name}, ")
@@ -112,7 +111,7 @@ def hlsl(text):
 
     def change(code):
         code = re.sub(r"\bconst float\b", "static const float", code)
-        # A vector of one number: float3(x) is no constructor here.
+        # HLSL has no float3(x) constructor for a single number; a cast replaces it.
         code = re.sub(r"\bvec([234])\(([^(),]+|\w+\([^()]*\))\)", r"((vec\1)(\2))", code)
         return renamed(names)(code)
     text = with_samplers(text, "Texture2D<float4> {texture}, SamplerState {texture}_sampler",

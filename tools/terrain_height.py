@@ -3,8 +3,8 @@
 """Writes the Jacksboro fault terrain as a 16-bit grey PNG, a height field that `multum bake` reads.
 
 The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-matplotlib-data as an .npz file: a ZIP
-of .npy arrays. Both that and PNG are simple enough for the standard library. Prints the --height-scale that goes with
-the picture: how many texels high a value difference of 1 is, times the exaggeration asked for.
+of .npy arrays. The standard library is enough to read that file and to write PNG. Prints the matching --height-scale:
+the height in texels of a value difference of 1, times the chosen exaggeration.
 
   tools/terrain_height.py OUT.png [--exaggeration 4] [--every 1] [--input jacksboro_fault_dem.npz]
 """
@@ -18,11 +18,11 @@ import zipfile
 import zlib
 
 DEFAULT_INPUT = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz"
-METRES_PER_DEGREE = 111320.0  # of latitude; a degree of longitude is this times the latitude's cosine
+METRES_PER_DEGREE = 111320.0  # metres per degree of latitude; for longitude, multiply by the cosine of the latitude
 
 
 def read_npy(data):
-    """The array of an .npy file (https://numpy.org/neps/nep-0001-npy-format.html): (shape, flat tuple of numbers)."""
+    """Reads an .npy file (https://numpy.org/neps/nep-0001-npy-format.html) as (shape, flat tuple of numbers)."""
     if data[:6] != b"\x93NUMPY":
         raise ValueError("no .npy header")
     length_format, start = ("<H", 10) if data[6] == 1 else ("<I", 12)
@@ -48,7 +48,7 @@ def read_terrain(path):
 
 
 def encode_png16(rows):
-    """Rows of 0..65535 as a grey PNG. Filter 2 (difference to the row above) shortens smooth heights by half."""
+    """Writes rows of 0..65535 as a grey PNG. Filter 2 (difference to the row above) shortens smooth heights by half."""
     def chunk(kind, body):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
@@ -76,7 +76,7 @@ def main():
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         sys.exit(f"{arguments.input}: {error}; expected the terrain of Debian's python-matplotlib-data")
     low, high = min(map(min, rows)), max(map(max, rows))
-    steps = 65535 // (high - low)  # whole steps a metre: nothing is rounded
+    steps = 65535 // (high - low)  # a whole number of steps per metre, so nothing is rounded
     pathlib.Path(arguments.output).write_bytes(encode_png16([[(h - low) * steps for h in row] for row in rows]))
     print(f"{65535 / steps / spacing * arguments.exaggeration:.2f}")
 

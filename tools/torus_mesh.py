@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a torus as an OBJ file: a closed surface with coordinates that wrap, for pictures that show every angle.
+"""Writes a torus as an OBJ file: a closed surface whose texture coordinates wrap, for pictures that show every angle.
 
   tools/torus_mesh.py OUT.obj
 
-The map goes four times round the ring and twice round the tube: about as long as it is wide.
+The map repeats four times around the ring and twice around the tube; each repeat is about as long as it is wide.
 """
 import argparse
 import math
@@ -16,7 +16,7 @@ RING_REPEATS, TUBE_REPEATS = 4, 2
 
 
 def torus_lines():
-    columns = TUBE_STEPS + 1  # the seam has its vertices twice: texture coordinates differ there
+    columns = TUBE_STEPS + 1  # the seam's vertices exist twice, with different texture coordinates
     for i in range(RING_STEPS + 1):
         for j in range(columns):
             ring, tube = 2 * math.pi * i / RING_STEPS, 2 * math.pi * j / TUBE_STEPS

@@ -5,7 +5,7 @@
   tools/traced_room.py FOLDER
 
 Writes scene.json (cameras), geometry.obj, rad_vVV_pPP.exr (radiance, one pass per layer) and id_vVV_pPP.png (the
-number of the object in each pixel). Needs only the standard library, and takes some seconds.
+number of the object in each pixel). Needs only the standard library and a few seconds.
 """
 import argparse
 import json
@@ -36,7 +36,7 @@ def minus(a, b):
 
 
 def intersect(quad, eye, ray):
-    """Returns the distance in lengths of the ray, u and v; the distance is infinite where the ray misses."""
+    """Returns the distance in ray lengths, u and v. The distance is infinite if the ray misses."""
     _, corner, u_edge, v_edge = quad
     normal = cross(u_edge, v_edge)
     along = dot(normal, ray)
@@ -72,7 +72,7 @@ def camera_of(view):
 
 
 def seen_from(view):
-    """Returns the object, u and v of each sub-pixel by rows, or None where nothing is seen."""
+    """Returns the object, u and v of each sub-pixel by rows, or None where no object is seen."""
     eye, (right, up, back), (scale_x, scale_y) = camera_of(view)
     columns, rows = WIDTH * SUB_PIXELS, HEIGHT * SUB_PIXELS
     seen = []

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading of planar Gaussians in OpenCL (kernels/device/gmm_shading.clh, by which a bake measures its own error)
-// and in GLSL (runtime_gl/shaders/common/gmm_shading.glsl, by which it is rendered), and both against double precision:
-// hard cases first, then random lobes.
+// Compares the shading of planar Gaussians in OpenCL (kernels/device/gmm_shading.clh, with which a bake measures its
+// own
+// error) with GLSL (runtime_gl/shaders/common/gmm_shading.glsl, which renders it), and both with double precision: hard
+// cases first, then random lobes.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -53,7 +54,7 @@ std::vector<glm::vec3> directions_above(unsigned seed) {
   return all;
 }
 
-// [lobe][direction]; s 0: Lambert.
+// Returns [lobe][direction]; s = 0: Lambert.
 std::vector<float> shade_gmm_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                     float s) {
   static Device device = Device::open("");
@@ -91,10 +92,11 @@ double exact_value(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   return s > 0.0 ? reference::gmm_density(lobe, s, w) : reference::gmm_lambert(lobe, w);
 }
 
-// How far floats may be off: as far as the exact value moves where the lobe's numbers and the direction's move by
-// kRoundings roundings of float each, since every operation rounds once. The variance is a difference of numbers up to
-// a, off by a part of those; the Lambert term's z is a root of one. The exponential adds 1e-5 of the value; what
-// underflows is next to nothing beside a peak. Eight: a tenth of that is seen.
+// Returns the allowed error of floats: the change of the exact value when the lobe's numbers and the direction's change
+// by kRoundings float roundings each, because every operation rounds once. The variance is a difference of numbers up
+// to a, so its error is a part of theirs; the Lambert term's z is a root of such a difference. The exponential adds
+// 1e-5 of the value; results that underflow are negligible compared with a peak. kRoundings is 8; the measured error is
+// a tenth of that.
 double tolerance(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact_value(lobe, s, w);
@@ -130,13 +132,13 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
   const std::vector<float> opencl = shade_gmm_opencl(lobes, directions, static_cast<float>(s));
   const std::vector<float> glsl = shade_gmm_glsl(*context, lobes, directions, static_cast<float>(s));
-  int seen = 0, tight = 0;  // values that matter, and those that are held to a percent
+  int seen = 0, tight = 0;  // values that matter, and values with a tolerance below a percent
   for (std::size_t i = 0; i < lobes.size(); ++i) {
     const glm::dvec4 lobe(lobes[i]);
     const bool is_seen = lobes[i].w > 1e-6f;
     for (std::size_t d = 0; d < directions.size(); ++d) {
       const glm::dvec3 w(directions[d]);
-      // Where the amplitude is next to nothing both show nothing.
+      // Where the amplitude is almost 0, both results are 0.
       const double expected = is_seen ? exact_value(lobe, s, w) : 0.0, bound = is_seen ? tolerance(lobe, s, w) : 0.0;
       seen += expected > 1e-6 * lobe.w * (s + 1.0) ? 1 : 0;
       tight += expected > 1e-6 * lobe.w * (s + 1.0) && bound < 0.01 * expected ? 1 : 0;
@@ -145,11 +147,11 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
     }
   }
   EXPECT_GT(seen, 250);
-  EXPECT_GT(tight, 0.95 * seen) << "bounds so wide that they say nothing";
+  EXPECT_GT(tight, 0.95 * seen) << "the bounds are too wide to be useful";
 }
 
-// Light that the plane's edge cuts off: the integral of one normal's facets over the hemisphere, as
-// docs/contributing/ALGORITHMS.md has it. 1 would be all.
+// The energy that the plane's edge cuts off: the integral of one normal's facets over the hemisphere
+// (docs/contributing/ALGORITHMS.md). A lossless model would give 1.
 TEST(GmmEnergy, IsLostTowardsTheRim) {
   constexpr int kRings = 400, kSpokes = 360;
   const double exponents[] = {5.0, 20.0, 100.0, 500.0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading of moments in OpenCL (kernels/device/moment_shading.clh, by which a bake measures its own error) and in
-// GLSL (runtime_gl/shaders/common/moment_shading.glsl, by which it is rendered), and both against double precision:
+// Compares the shading of moments in OpenCL (kernels/device/moment_shading.clh, with which a bake measures its own
+// error) with GLSL (runtime_gl/shaders/common/moment_shading.glsl, which renders it), and both with double precision:
 // hard cases first, then random moments.
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 
 using testing::uniform24;
 
-// Moments as floats have them, with a mean normal of any length.
+// Returns moments rounded to floats, with a mean normal of any length.
 MultumFilteredMoments moments(double s, double t, double deviation_s, double deviation_t, double correlation,
                               double length) {
   MultumFilteredMoments m{};
@@ -48,7 +48,7 @@ std::vector<MultumFilteredMoments> test_moments(unsigned seed) {
   for (const double length : {1e-6, 0.1, 0.5, 0.9999, 1.0, 1.0005})
     all.push_back(moments(0.4, 0.2, 0.1, 0.1, 0.0, length));
   MultumFilteredMoments rounded = moments(0.7, -0.7, 0.0, 0.0, 0.0, 1.0);
-  rounded.ss *= 0.9995f;  // as rounding to halfs may leave it: less than the square of the mean
+  rounded.ss *= 0.9995f;  // rounding to halfs may leave less than the square of the mean
   rounded.st *= 1.0005f;
   all.push_back(rounded);
   std::mt19937 random(seed);
@@ -90,7 +90,7 @@ std::vector<float> shade_moments_opencl(const std::vector<MultumFilteredMoments>
 
 std::vector<float> shade_moments_glsl(const gl::HeadlessContext& context, const std::vector<MultumFilteredMoments>& set,
                                       const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
-  // A half vector of the upper half is its x and y.
+  // A half vector of the upper hemisphere is given by its x and y.
   const std::string h = "vec3(b.xy, sqrt(max(1.0 - dot(b.xy, b.xy), 0.0)))";
   gl::ShaderHarnessInput input{shading == MULTUM_SHADE_TOKSVIG
                                    ? "vec4(multum_moments_toksvig(a.xyz, " + h + ", b.w))"
@@ -132,10 +132,11 @@ struct ExactInput {
   }
 };
 
-// How far floats may be off: as far as the exact value moves where the numbers that go in move by kRoundings roundings
-// of float each, since every operation rounds once. Products of slopes are off by a part of themselves however much of
-// them cancels, and GLSL has the half vector's z as the root of 1 - x^2 - y^2. The exponential adds 1e-5 of the value,
-// which exp2 of a large argument has. What underflows is next to nothing beside a peak. Eight: a third of that is seen.
+// Returns the allowed error of floats: the change of the exact value when the inputs change by kRoundings float
+// roundings each, because every operation rounds once. The error of a product of slopes is relative to the product,
+// however much of it cancels later, and GLSL computes the half vector's z as the root of 1 - x^2 - y^2. The exponential
+// adds 1e-5 of the value, as exp2 has for large arguments. Results that underflow are negligible compared with a peak.
+// kRoundings is 8; the measured error is a third of that.
 double tolerance(const ExactInput& exact, double s, int shading) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact.value(s, shading), z = exact.h.z;
@@ -178,7 +179,7 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
     const std::vector<float> opencl = shade_moments_opencl(set, half_vectors, static_cast<float>(s), shading);
     const std::vector<float> glsl = shade_moments_glsl(*context, set, half_vectors, static_cast<float>(s), shading);
     double sum = 0.0, off_opencl = 0.0, off_glsl = 0.0;
-    int seen = 0, tight = 0;  // values that matter, and those that are held to a percent
+    int seen = 0, tight = 0;  // values that matter, and values with a tolerance below a percent
     for (std::size_t i = 0; i < set.size(); ++i)
       for (std::size_t d = 0; d < half_vectors.size(); ++d) {
         const std::size_t at = i * half_vectors.size() + d;
@@ -192,11 +193,11 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
         off_opencl += std::abs(static_cast<double>(opencl[at]) - expected);
         off_glsl += std::abs(static_cast<double>(glsl[at]) - expected);
       }
-    // The bounds are for the worst of them; all together are as near as floats are.
+    // The bounds above are for the worst value; the mean error is at the level of float rounding.
     EXPECT_LT(off_opencl, 2e-4 * sum) << shading;
     EXPECT_LT(off_glsl, 2e-4 * sum) << shading;
     EXPECT_GT(seen, 250) << shading;
-    EXPECT_GT(tight, 0.95 * seen) << shading << ": bounds so wide that they say nothing";
+    EXPECT_GT(tight, 0.95 * seen) << shading << ": the bounds are too wide to be useful";
   }
 }
 
@@ -216,7 +217,7 @@ TEST(MomentShadingTest, LeanIsADensity) {
       for (int j = 0; j < kSteps; ++j) {
         const double x = (i + 0.5) * kStep - kReach, y = (j + 0.5) * kStep - kReach;
         const glm::dvec3 h = glm::normalize(glm::dvec3(-x, -y, 1.0));
-        const double solid_angle = with_jacobian ? h.z * h.z * h.z : 1.0;  // of a cell of slopes
+        const double solid_angle = with_jacobian ? h.z * h.z * h.z : 1.0;  // solid angle of a cell of slopes
         sum += reference::lean(m, h, 100.0, with_jacobian) * solid_angle * kStep * kStep;
       }
     EXPECT_NEAR(sum, 1.0, 1e-3) << with_jacobian;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading formulas of OpenCL (kernels/device/vmf_shading.clh, by which a bake measures its own error) and of GLSL
-// (runtime_gl/shaders/common/movmf_shading.glsl, by which it is rendered) on the same lobes, and both against
-// quadrature in double: hard cases first, then random lobes.
+// Compares the shading formulas of OpenCL (kernels/device/vmf_shading.clh, with which a bake measures its own error)
+// with GLSL (runtime_gl/shaders/common/movmf_shading.glsl, which renders them) on the same lobes, and both with
+// quadrature in double precision: hard cases first, then random lobes.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ using testing::uniform24;
 
 struct Lobes {
   std::vector<glm::vec4> lobes;  // (a r, a)
-  std::vector<double> kappa;     // of each; infinite for a single direction
+  std::vector<double> kappa;     // of each lobe; infinite for a single direction
 };
 
 void add(Lobes& set, const glm::dvec3& mu, double kappa, double amplitude) {
@@ -56,7 +56,7 @@ Lobes test_lobes(unsigned seed) {
   return set;
 }
 
-// [lobe][direction] of one highlight, or of Lambert, by the OpenCL kernel.
+// Returns [lobe][direction] of one highlight, or of Lambert, computed by the OpenCL kernel.
 std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                 const MultumHighlight& shaded, bool lambert) {
   static Device device = Device::open("");
@@ -104,8 +104,8 @@ INSTANTIATE_TEST_SUITE_P(Exponents, ShadingAgreementTest, ::testing::Values(0.0,
                                       : std::string("S").append(std::to_string(static_cast<int>(exponent.param)));
                          });
 
-// Both are fp32: exponents up to kappa = 1e6 times 1 - cosine carry 1e-7 relative each, so peaks agree to 2e-3 at the
-// sharpest and to 1e-5 for usual lobes; the bound is relative to the lobe's peak.
+// Both compute in fp32: exponents of up to kappa = 1e6 times 1 - cosine have a relative error of 1e-7, so peaks agree
+// to 2e-3 at the sharpest and to 1e-5 for usual lobes. The bound is relative to the lobe's peak.
 TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
   const auto exponent = static_cast<float>(GetParam());
   constexpr unsigned kSeed = 41;
@@ -125,7 +125,7 @@ TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
   }
 }
 
-// As multum_lobe_facets() of brdf/terms.glsl adds them up, whose uniforms the harness has not got.
+// Returns the sum that multum_lobe_facets() of brdf/terms.glsl computes from uniforms; the harness has no uniforms.
 std::string terms_expression(const MultumHighlight& f) {
   const char* kSpread = "multum_movmf_spread(a)";
   const char* kOneMinusCosine = "multum_one_minus_cosine(multum_movmf_mean_direction(a), b.xyz)";
@@ -135,7 +135,7 @@ std::string terms_expression(const MultumHighlight& f) {
   return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
 }
 
-// Facets that are sums of vMFs, by which a bake's error is measured for GGX and others
+// Facets as sums of vMFs, with which a bake measures its error for GGX and other BRDFs
 // (host/bakes/accuracy/highlight.h).
 TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   const Lobes set = test_lobes(43);
@@ -150,7 +150,7 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
     const auto opencl = shade_opencl(set.lobes, directions, f, false);
     const auto glsl = shade_glsl(*context, set.lobes, directions, 1.0f, terms_expression(f));
     const auto peak = static_cast<float>(std::max(grey_density(brdf, 0.0), grey_density(brdf, 0.999)));
-    const float bound = brdf.kind == BrdfKind::kCharlie ? 2e-4f : 3e-5f;  // of terms that cancel to a hundredth
+    const float bound = brdf.kind == BrdfKind::kCharlie ? 2e-4f : 3e-5f;  // charlie: terms cancel to a hundredth
     for (std::size_t i = 0; i < opencl.size(); ++i) {
       const float unit = std::max(set.lobes[i / directions.size()].w * peak, 1e-9f);
       ASSERT_NEAR(opencl[i] / unit, glsl[i] / unit, bound) << text << ", lobe " << i / directions.size();
@@ -158,10 +158,10 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   }
 }
 
-// Against the exact convolution: the bounds that tools/lab/fit_shading.py states, relative L1 over the angle between.
+// Compares with the exact convolution, by the bounds that tools/lab/fit_shading.py states: relative L1 over the angle.
 TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   const double exponent = GetParam();
-  if (exponent > 2000.0) GTEST_SKIP() << "the quadrature is for exponents up to 2000";
+  if (exponent > 2000.0) GTEST_SKIP() << "the quadrature supports exponents up to 2000";
   const double bound = exponent == 0.0 ? 0.0025 : exponent < 20.0 ? 0.018 : exponent < 100.0 ? 0.0085 : 0.003;
   for (double kappa : {0.5, 2.0, 10.0, 50.0, 200.0, 2000.0}) {
     Lobes set;
@@ -185,13 +185,14 @@ TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   }
 }
 
-// The bound of docs/contributing/ALGORITHMS.md for exponents from `s` on, of the kernel and so of GLSL, which equals
-// it.
+// Returns the bound of docs/contributing/ALGORITHMS.md for exponents from `s` on. It holds for the kernel, and for
+// GLSL,
+// which equals the kernel.
 double stated_bound(double s) {
   return s < 2.0 ? 0.07 : s < 3.0 ? 0.04 : s < 5.0 ? 0.028 : s < 20.0 ? 0.018 : s < 100.0 ? 0.0085 : 0.0027;
 }
 
-// The whole range of exponents, dense where the error is largest: kappa 2 to 5.
+// Covers the whole range of exponents, densely where the error is largest: kappa 2 to 5.
 TEST(ShadingBounds, HoldOverADenseGrid) {
   constexpr int kAngles = 60;
   double worst_of_one = 0.0;
@@ -220,7 +221,7 @@ TEST(ShadingBounds, HoldOverADenseGrid) {
   EXPECT_GT(worst_of_one, 0.06) << "the stated bound is too wide";
 }
 
-// Highlights of a lobe: light, eye and lobe at random, as a surface may have them.
+// Highlights of a lobe: random light, eye and lobe, as on a surface.
 struct Highlights {
   std::vector<glm::vec4> lobes, half_vectors, lights;  // w of half vectors: the facets' kappa
 };
@@ -253,7 +254,7 @@ std::vector<float> highlight_cosines_opencl(const Highlights& set) {
   return values;
 }
 
-// Rounding of the spread, 6e-8, is a share of 1e-4 of the sharpest lobe's, by which the mean direction turns.
+// The spread's rounding error, 6e-8, is 1e-4 of the sharpest lobe's spread, by which the mean direction is turned.
 TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   std::mt19937 random(47);
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
@@ -278,8 +279,9 @@ TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   for (std::size_t i = 0; i < opencl.size(); ++i) ASSERT_NEAR(opencl[i], glsl[i].x, 2e-4f) << i;
 }
 
-// The highlight with its cosine, relative L1 over light, eye and lobe: the bounds that docs/contributing/ALGORITHMS.md
-// states. The convolution itself is taken exactly here: its own bounds are held above.
+// Returns the error of the highlight with its cosine, relative L1 over light, eye and lobe;
+// docs/contributing/ALGORITHMS.md
+// states the bounds. The convolution is exact here, because a test above checks its own bounds.
 double highlight_error(const std::function<double(double)>& f, double facet_kappa, double kappa) {
   std::mt19937 random(53);
   Highlights set;

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The archive of tools/bundle where nothing of it was built: in an empty folder of this machine, and in a root of the
-# next release of Debian with nothing in it but drivers (PoCL for OpenCL, OSMesa for GL). It bakes, draws and serves
-# there.
+# Runs the archive of tools/bundle where it was not built: in an empty folder of this machine, and in a root of the next
+# Debian release that holds only drivers (PoCL for OpenCL, OSMesa for GL). The archive bakes, draws and serves there.
 #   run_elsewhere.sh REPOSITORY BUILD_FOLDER
-# Exit code 77, a skipped test, without root, mmdebstrap, patchelf or a Debian mirror: the first part is done all the
-# same.
+# Exit code 77, a skipped test, without root, mmdebstrap, patchelf or a Debian mirror; the first part still runs.
 set -euo pipefail
 repository=$1
 build=$2
@@ -19,12 +17,12 @@ finish() {
   rm -rf --one-file-system "$work"
 }
 trap finish EXIT
-skip() { printf 'run_elsewhere: passed over: %s\n' "$*"; exit 77; }
+skip() { printf 'run_elsewhere: skipped: %s\n' "$*"; exit 77; }
 
-command -v patchelf > /dev/null || skip 'patchelf is not here (Debian package patchelf)'
+command -v patchelf > /dev/null || skip 'patchelf is not installed (Debian package patchelf)'
 "$repository/tools/bundle" --build "$build" --output "$work/multum.tar.xz" --xz-preset 0
 
-# What a stranger does with it; run inside the folder that it was unpacked to.
+# The commands that a new user would try, run inside the unpacked folder.
 cat > "$work/try.sh" << 'TEXT'
 set -euo pipefail
 cd "$1"
@@ -39,7 +37,7 @@ cd "$here"
 "$bin/multum" info map.ndf.exr | grep '^checksum'
 "$bin/multum-view" map.ndf.exr --context osmesa --size 96x64 -o frame.png
 [ -s frame.png ]
-# A daemon of this folder, and a client that asks it.
+# A daemon of this folder, and a client.
 mkdir maps
 "$bin/multum" serve --data served --listen "unix:$here/socket" --root "$here/maps" > serve.txt 2>&1 &
 daemon=$!
@@ -57,16 +55,16 @@ echo 'run_elsewhere: in an empty folder'
 mkdir "$work/elsewhere"
 tar -xJf "$work/multum.tar.xz" -C "$work/elsewhere"
 unpacked=$(echo "$work"/elsewhere/multum-*)
-# PoCL is this machine's, and so is what it compiled for other tests.
+# Uses this machine's PoCL, and what it compiled for other tests.
 env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 MULTUM_CACHE_DIR= \
   POCL_CACHE_DIR="${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-$work}/.cache}/pocl/kcache}" \
   bash "$work/try.sh" "$unpacked" "$work/elsewhere/tried" | tee "$work/here.txt"
 
-[ "$(id -u)" -eq 0 ] || skip "a root of $release wants root"
-command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not here (Debian package mmdebstrap)'
-mirror=$("$repository/tools/debian_mirror") || skip 'apt names no mirror of Debian'
+[ "$(id -u)" -eq 0 ] || skip "a root of $release needs root privileges"
+command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not installed (Debian package mmdebstrap)'
+mirror=$("$repository/tools/debian_mirror") || skip 'apt names no Debian mirror'
 echo "run_elsewhere: in a root of $release"
-# Packages and what they depend on, unpacked and not configured: no program here wants that.
+# Packages and their dependencies are unpacked but not configured; no program here needs more.
 mmdebstrap --variant=extract --include=pocl-opencl-icd,libosmesa6,base-files,bash,coreutils,grep "$release" "$root" \
   "$mirror" > "$work/root.log" 2>&1 ||
   { tail -n 5 "$work/root.log"; skip "mmdebstrap could not make a root of $release"; }
@@ -78,6 +76,6 @@ mv "$unpacked" "$root/opt/multum"
 cp "$work/try.sh" "$root/try.sh"
 chroot "$root" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/tmp LANG=C.UTF-8 MULTUM_CACHE_DIR= \
   bash /try.sh /opt/multum /tmp/tried | tee "$work/there.txt"
-# Another C library, another PoCL, another compiler behind it: the same bytes.
+# Another C library, another PoCL and another compiler must give the same bytes.
 cmp <(grep '^checksum' "$work/here.txt") <(grep '^checksum' "$work/there.txt")
 echo 'run_elsewhere: both bakes have the same checksum'

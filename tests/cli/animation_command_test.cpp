@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum animation: a folder of renders to a job file, whole or not at all.
+// multum animation: writes a job file from a folder of renders, or writes nothing.
 #include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/cli/program.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"
@@ -25,7 +25,7 @@ class AnimationCommandTest : public CliTest {
 };
 
 TEST_F(AnimationCommandTest, WritesAJobThatIsRead) {
-  for (int i = 0; i < 2; ++i) {  // the second time over the first one's file
+  for (int i = 0; i < 2; ++i) {  // the second run overwrites the first file
     const ProgramResult result = multum({"animation", path("renders"), "-o", path("animation.toml")});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     expect_says(result.out, {"animation.toml: written", "4 samples", "view 2", "light 2", "2 cameras", "1 objects",
@@ -43,7 +43,7 @@ TEST_F(AnimationCommandTest, FromWithinTheFolder) {
   const ProgramResult result = multum_program({"animation", ".", "-o", "animation.toml"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(read_bytes("animation.toml").find("geometry = \"geometry.gltf\""), std::string::npos);
-  // In a process of its own: a child that decodes and is kept for the next file stays in the folder that it began in.
+  // Runs in its own process: a decoding child that is kept for the next file keeps its first working folder.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::_Exit(read_animation_job("animation.toml").samples.size() == 4 ? 0 : 1),
               ::testing::ExitedWithCode(0), "");

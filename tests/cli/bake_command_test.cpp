@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake that succeeds: its file, its report, its progress bar, its bytes, and the help that leads to it.
+// Successful bakes: the file, the report, the progress bar, the same bytes every time, and the help.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
       multum({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o", path("map.ndf.exr")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
   EXPECT_TRUE(contains(bake.out, "map.ndf.exr: written")) << bake.out;
-  // Without neighbours there is nothing midway.
+  // Without neighbours there are no midway points.
   expect_says(bake.out, {"measured error, relative L1", "measured error with colours, relative L1", " | -\n"});
   EXPECT_FALSE(contains(bake.out, "| 0.00\n")) << bake.out;
   EXPECT_TRUE(contains(bake.err, "map_normal.png: 64 x 64")) << bake.err;
@@ -36,7 +36,7 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
   for (const char* line : {"4 von Mises-Fisher lobes", "colour", "64 x 64, 7 levels", "snorm16",
                            "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0",
-                           // What was found in the source:
+                           // Facts about the source:
                            "source format   png uint16, 3 channels", "read as         normal map, unsigned, green",
                            "because         length within", "wrap of source  periodic, periodic",
                            "albedo          png uint16, 3 channels, sRGB"})
@@ -110,7 +110,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
 
     const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
     EXPECT_EQ(report["levels"].size(), 7u - static_cast<std::size_t>(first_level));
-    EXPECT_EQ(report["levels"][0]["level"], first_level) << "finer ones are not even fitted";
+    EXPECT_EQ(report["levels"][0]["level"], first_level) << "finer levels must not be fitted";
     const auto measured = [&](const std::string& name) {
       return nlohmann::json::parse(read_bytes(path(name)))["measured_error"];
     };
@@ -123,7 +123,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
     EXPECT_TRUE(contains(verify.out, levels)) << verify.out;
     const ProgramResult info = multum({"info", path("map.ndf.exr")});
     EXPECT_TRUE(contains(info.out, levels)) << info.out;
-    expect_says(info.out, {"beside the normal map"});
+    expect_says(info.out, {"the normal map itself"});
     EXPECT_TRUE(contains(info.out, fmt::format("\"first_level\":{}", first_level))) << info.out;
     const std::string table = result.out.substr(result.out.find("measured error"));
     EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
@@ -143,13 +143,13 @@ TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
   make_map("map", 64);
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"}).exit_code, 0);
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
-  // 5461 texels of 4 lobes, 8 bytes each; 343 blocks of 16 + 8 bytes.
+  // 5461 texels of 4 lobes, 8 bytes per lobe; 343 blocks of 16 + 8 bytes.
   EXPECT_TRUE(
       contains(info.out, "on the GPU      170.7 KiB, 21.2 times the 8.0 KiB of a BC5 normal and a BC4 roughness\n"))
       << info.out;
 }
 
-// Two maps of the same noise: one is an ordinary rough surface, of the other only a glossy material shows the slopes.
+// Two maps of the same noise: one is an ordinary rough surface; the other has slopes that only a glossy material shows.
 TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
   const auto bake = [&](double slope, const std::string& storage) {
     TestImage noise{.width = 64, .height = 64};
@@ -216,7 +216,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
   }
   for (const auto& [kernel, count] : report["launches"].items()) launches_of_kernels += count.get<std::uint64_t>();
   EXPECT_EQ(launches_of_fit + 2, launches_of_kernels)
-      << "but for two to measure levels and pixels, the start's, binning's and the levels'";
+      << "all launches except for two that measure levels and pixels: those of the start, of binning and of levels";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "unrepresentable"})
@@ -276,7 +276,7 @@ TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
   EXPECT_EQ(multum(bake).err, "");
 }
 
-// Whoever says it: a command line, a manifest or a scene.
+// The warning appears for a command line, a manifest and a scene.
 TEST_F(BakeCommandTest, GreenAgainstTheGradientsIsWarnedOf) {
   write_test_image(path("down.png"), normal_image(64, 64, false, -1.0));
   const auto expect_warned = [](const ProgramResult& result, const std::string& advised = "green = \"down\"") {
@@ -297,7 +297,7 @@ TEST_F(BakeCommandTest, GreenAgainstTheGradientsIsWarnedOf) {
   expect_warned(multum({"plan", path("scene.toml"), "-o", path("plan.json")}));
 }
 
-// The file states the wrap modes that the map shows, whoever leaves them to it; what was left to it is a setting.
+// If wrap modes are left to the bake, the file states the modes that the map shows. The choice is a stored setting.
 TEST_F(BakeCommandTest, WrapIsFoundOnRequest) {
   TestImage ramp{.width = 64, .height = 64, .channels = 1};
   for (int i = 0; i < 64 * 64; ++i) ramp.values.push_back(static_cast<float>(i % 64) / 63.0f);
@@ -333,7 +333,7 @@ TEST_F(BakeCommandTest, WrapIsFoundOnRequest) {
   expect_says(multum({"info", path("scene/m.ndf.exr")}).out, {"wrap clamp, periodic"});
 }
 
-// Texels without a colour are counted as repaired normals are, on the terminal and in the report.
+// Texels without a colour are counted like repaired normals, on the terminal and in the report.
 TEST_F(BakeCommandTest, TexelsWithoutAColourAreCounted) {
   write_test_image(path("map.png"), normal_image(32, 32));
   TestImage albedo{.width = 32, .height = 32, .type = OIIO::TypeDesc::FLOAT};
@@ -375,7 +375,7 @@ TEST_F(BakeCommandTest, ColoursThatHalfsCannotHoldAreRefused) {
   EXPECT_EQ(bake(1e16f, "float").exit_code, exit_code(ErrorCode::kInput));
 }
 
-// Its highlight is in no direction that is looked at: nothing is off by much, in parts of whatever makes sense.
+// The highlight is in no measured direction, so the absolute error is small; the relative error must still make sense.
 TEST_F(BakeCommandTest, AMapTiltedFarHasErrorsThatSaySomething) {
   TestImage map{.width = 32, .height = 32};
   for (int i = 0; i < 32 * 32; ++i) map.values.insert(map.values.end(), {0.9924f, 0.5f, 0.5868f});
@@ -393,7 +393,7 @@ TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
-  make_map("map", 512);  // the bar is drawn anew 12 times a second: a fit takes longer than that
+  make_map("map", 512);  // the bar is redrawn 12 times per second: a fit takes longer than that
   const std::vector<std::string> arguments = {"bake",    path("map_normal.png"), "-o", path("map.ndf.exr"),
                                               "--force", "--no-measure"};
   const ProgramResult piped = multum(arguments);
@@ -402,7 +402,7 @@ TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
     EXPECT_EQ(text.find_first_of("\r\033"), std::string::npos) << text;
     EXPECT_TRUE(!text.empty() && text.back() == '\n') << text;
   }
-  if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals: pipes alone were tried";
+  if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals; only pipes were tested";
   const ProgramResult shown = run_on_terminal(multum_command(arguments));
   ASSERT_EQ(shown.exit_code, 0) << shown.out;
   for (const char* part : {"\r\033[K[", "%", "fit level ", "map.ndf.exr: written"})
@@ -425,7 +425,7 @@ TEST_F(BakeCommandTest, RunstatsPrintLevelsAndLaunches) {
     EXPECT_TRUE(contains(bake.out, part)) << part << " is not in\n" << bake.out;
 }
 
-// The other tests have one cache for all.
+// This test has its own cache; the other tests share one.
 TEST_F(BakeCommandTest, ProgramsAreKeptInTheCacheFolder) {
   make_map("map", 16);
   setenv("MULTUM_CACHE_DIR", path("cache").c_str(), 1);
@@ -448,7 +448,7 @@ TEST_F(BakeCommandTest, ProgramsAreKeptInTheCacheFolder) {
 TEST_F(BakeCommandTest, WhatIsBakedAlreadyIsNotBakedAgain) {
   make_map("map", 32);
   const std::string output = path("map.ndf.exr"), report = path("report.json");
-  // Was it baked, that is, was the file replaced?
+  // Returns whether the map was baked, that is, whether the file was replaced.
   const auto bakes = [&](std::vector<std::string> options) {
     const auto before = std::filesystem::exists(output) ? std::filesystem::last_write_time(output)
                                                         : std::filesystem::file_time_type::min();
@@ -466,7 +466,7 @@ TEST_F(BakeCommandTest, WhatIsBakedAlreadyIsNotBakedAgain) {
   EXPECT_TRUE(bakes({"--no-measure", "--force"}));
   EXPECT_TRUE(bakes({})) << "the file had no measured error";
   EXPECT_FALSE(bakes({}));
-  EXPECT_FALSE(bakes({"--no-measure"})) << "the file has more than was asked for";
+  EXPECT_FALSE(bakes({"--no-measure"})) << "the file has more data than requested";
   for (const auto& [option, value] : {std::pair("--lobes", "2"), std::pair("--compression", "rle"),
                                       std::pair("--wrap", "clamp"), std::pair("-d", "half")}) {
     EXPECT_TRUE(bakes({option, value})) << option;
@@ -499,16 +499,16 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
     EXPECT_EQ(multum({"verify", path(tile + std::string(".ndf.exr"))}).exit_code, 0);
     EXPECT_EQ(read_movmf_mipmap(path(tile + std::string(".ndf.exr"))).header.provenance.content_hash,
               read_movmf_mipmap(path("map.ndf.exr")).header.provenance.content_hash)
-        << "as if baked alone";
+        << "the same bytes as a separate bake";
     EXPECT_EQ(nlohmann::json::parse(read_bytes(path(tile + std::string(".json"))))["launches"],
               nlohmann::json::parse(read_bytes(path("map.json")))["launches"])
-        << "each report counts its own";
+        << "each report counts its own launches";
   }
   const ProgramResult again = multum({"bake", path("rock_1001.png"), path("rock_1012.png"), "-o", path(""), "-q"});
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
-// Shares give the bytes of one run, and a tile is baked again when the border of the one beside it has changed.
+// Shares give the bytes of one run. A tile is baked again when the border of its neighbour has changed.
 TEST_F(BakeCommandTest, TilesOfHeightsTakeTheBordersOfOthers) {
   const auto write_tile = [&](const std::string& tile, int x0, int changed_column) {
     TestImage image{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT16};
@@ -557,7 +557,7 @@ TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   EXPECT_TRUE(once == bake("b.ndf.exr", {"--threads", "2"})) << "a second run differs";
   EXPECT_TRUE(once == bake("c.ndf.exr", {"--threads", "1"})) << "one thread differs from two";
   EXPECT_TRUE(once == bake("d.ndf.exr", {"--threads", "5"})) << "five threads differ from two";
-  // Its header says nothing of the variant, so the whole file is the same.
+  // The header does not name the kernel variant, so the whole file is the same.
   EXPECT_TRUE(once == bake("e.ndf.exr", {"--scalar"})) << "the scalar kernels differ from the vector kernels";
   const std::string reference = bake("reference.ndf.exr", {"--reference"});
   EXPECT_FALSE(once == reference);
@@ -567,8 +567,9 @@ TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   EXPECT_FALSE(once == bake("f.ndf.exr", {"--iterations", "29"})) << "a setting is without effect";
 }
 
-// The highlight of Blinn-Phong s = 2 / alpha^2 - 2 on stored lobes, as docs/reference/file_format.md shades them, at
-// its peak: all lobes of a flat place point one way but for rounding, so the peak is at the mean normal.
+// Returns the peak of the Blinn-Phong highlight with s = 2 / alpha^2 - 2 on stored lobes, shaded by
+// docs/reference/file_format.md. The lobes of a flat place agree in direction except for rounding, so the peak is at
+// the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
   const double cosine = (exponent + 1.0) / (exponent + 2.0);
   glm::dvec3 at(0.0);

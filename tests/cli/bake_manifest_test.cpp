@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --manifest, and the check of a build pipeline: what is left alone, what is baked, what fails and why, and
-// the reports of it.
+// multum bake --manifest and its check in a build pipeline: which maps are left unchanged, baked or failed, the
+// reasons,
+// and the reports.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two maps, of which the first has colours, baked to out/.
+// Two maps, baked to out/. The first map has colours.
 class BakeManifestCommandTest : public CliTest {
  protected:
   void SetUp() override {
@@ -25,7 +26,7 @@ class BakeManifestCommandTest : public CliTest {
     make_map("b", 16);
     write_manifest("");
   }
-  // `more`: keys of b's.
+  // `more`: additional keys of map b.
   void write_manifest(const std::string& more) const {
     write_bytes(path("maps.toml"),
                 "[defaults]\ngreen = \"up\"\n[[map]]\ninput = \"a_normal.png\"\nalbedo = \"a_albedo.png\"\n"
@@ -43,20 +44,20 @@ class BakeManifestCommandTest : public CliTest {
     for (const char* name : {"a.ndf.exr", "b.ndf.exr"}) fs::rename(path("out/") + name, *folder / name);
     return folder;
   }
-  // What bake() makes of SetUp()'s maps and manifest. The same for every case: baked once.
+  // Runs bake() on the maps and the manifest of SetUp(). All cases share this one bake.
   void bake_all() const {
     static const std::unique_ptr<TemporaryFolder> baked = bake_once();
     for (const char* name : {"a.ndf.exr", "b.ndf.exr"}) fs::copy_file(*baked / name, path("out/") + name);
   }
-  // Times of all files in the folder and in out/, but for those of the check's own reports.
+  // Modification times of all files in the folder and in out/, except for the check's own reports.
   std::map<std::string, fs::file_time_type> times() const {
     std::map<std::string, fs::file_time_type> found;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
       if (entry.is_regular_file()) found[entry.path().string()] = entry.last_write_time();
     return found;
   }
-  // In the middle of the pixels, which follow the last part's header. A bit of each of 64 bytes, since one alone may
-  // fall into a header, of a part or of a tile, and change nothing that is read.
+  // Damages the middle of the pixels, which follow the last part's header. Flips one bit in each of 64 bytes: a single
+  // bit may be in the header of a part or of a tile, and then change no value that is read.
   void damage(const std::string& name) const {
     std::string bytes = read_bytes(path(name));
     const std::size_t header = bytes.rfind(std::string("chlist") + '\0');
@@ -65,12 +66,13 @@ class BakeManifestCommandTest : public CliTest {
     for (std::size_t at = middle; at < middle + 64; ++at) bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
     write_bytes(path(name), bytes);
   }
-  // Other noise, of the same size.
+  // Replaces a source by other noise of the same size.
   void edit_source(const std::string& name, int size) const {
     const ProgramResult made = multum({"testmap", path(name), "--size", std::to_string(size), "--seed", "8"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
   }
-  // The check finds `state` of b and nothing of a, lists it with `why`, and is content once b has been mended.
+  // Expects that the check finds `state` for b with the reasons `why`, finds no problem with a, and passes after a
+  // repair.
   void expect_finding(const std::string& state, const std::vector<std::string>& why) const {
     const auto before = times();
     const ProgramResult dry = bake({"--check", "--dry-run"});
@@ -167,7 +169,7 @@ TEST_F(BakeManifestCommandTest, FlippedBitsAreDamage) {
   bake_all();
   const std::string whole = read_bytes(path("out/b.ndf.exr"));
   damage("out/b.ndf.exr");
-  EXPECT_EQ(bake().exit_code, 0) << "without --check the header is believed";
+  EXPECT_EQ(bake().exit_code, 0) << "without --check, the header's error counts";
   expect_finding("damaged", {});
   EXPECT_TRUE(read_bytes(path("out/b.ndf.exr")) == whole);
 }
@@ -188,8 +190,8 @@ TEST_F(BakeManifestCommandTest, WhatIsNoBakedFileIsDamage) {
   expect_finding("damaged", {"baked file"});
 }
 
-// The checksum is of the pixels: a header that promises more than they hold is found by measuring alone.
-// What it states, and the header's checksum as of a program that measures wrongly.
+// The stored checksum covers only the pixels, so only a measurement finds a header that promises too low an error.
+// The test writes the false error and a matching header checksum, as a program that measures wrongly would.
 TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   bake_all();
   std::string bytes = read_bytes(path("out/b.ndf.exr"));
@@ -211,14 +213,14 @@ TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   EXPECT_EQ(check.exit_code, 5) << check.err;
   EXPECT_TRUE(contains(check.err, "1 worse\n  worse    out/b.ndf.exr: ")) << check.err;
   expect_says(check.err, {"level 1", "centre", "blinn-phong:500", "0 %"});
-  EXPECT_EQ(times(), before) << "what is worse is not baked again";
+  EXPECT_EQ(times(), before) << "a worse file is not baked again";
 }
 
 TEST_F(BakeManifestCommandTest, ErrorMaxIsHeld) {
   write_manifest("error_max = 0.01\n");
   const ProgramResult baked = bake();
   EXPECT_EQ(baked.exit_code, 5) << baked.err;
-  EXPECT_TRUE(contains(baked.out, "out/b.ndf.exr: written")) << "it is there to be looked at\n" << baked.out;
+  EXPECT_TRUE(contains(baked.out, "out/b.ndf.exr: written")) << "the worse file stays for inspection\n" << baked.out;
   const auto before = times();
   for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--check"}}) {
     const ProgramResult result = bake(options);
@@ -227,7 +229,7 @@ TEST_F(BakeManifestCommandTest, ErrorMaxIsHeld) {
   }
   EXPECT_EQ(times(), before);
   write_manifest("error_max = 0.99\n");
-  EXPECT_EQ(bake({"--check"}).exit_code, 0) << "what is allowed is no setting of the file";
+  EXPECT_EQ(bake({"--check"}).exit_code, 0) << "the allowed error is not a setting of the file";
   EXPECT_EQ(times().at(path("out/b.ndf.exr")), before.at(path("out/b.ndf.exr")));
 }
 
@@ -246,17 +248,17 @@ TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
     EXPECT_FALSE(fs::exists(path("out/c.ndf.exr")));
   }
   fs::remove(path("out/a.ndf.exr"));
-  EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "a source that cannot be read goes before a missing file";
+  EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "an unreadable source is reported before a missing file";
 }
 
-// What a bake would refuse is not missing but failed, with the reason, whether or not it is tried; a report has it as
-// an error, and what a bake would mend as a failure.
+// A map that a bake would refuse is failed instead of missing, with the reason, whether or not the bake is tried. In a
+// report it is an error; a map that a bake would repair is a failure.
 TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   bake_all();
   fs::remove(path("out/a.ndf.exr"));
   fs::copy_file(path("b_normal.png"), path("small.png"));
   struct Refused {
-    std::string keys;  // of a map of a_normal.png, which has no file yet
+    std::string keys;  // keys of a map of a_normal.png, which has no output yet
     std::vector<std::string> why;
   };
   for (const Refused& c : {Refused{"albedo = \"small.png\"\n", {"small.png", "16 x 16", "32 x 32"}},
@@ -285,8 +287,8 @@ TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   }
 }
 
-// Folders of outputs are made; a dry run makes none, and says that the file is missing. Of a map that failed, the bytes
-// of the file that is there are told all the same.
+// Output folders are created. A dry run creates none and reports the file as missing. For a map that failed, the report
+// still has the size of the existing file.
 TEST_F(BakeManifestCommandTest, MakesTheFoldersOfItsOutputs) {
   write_bytes(path("maps.toml"),
               "[[map]]\ninput = \"b_normal.png\"\ngreen = \"up\"\noutput = \"new/deep/b.ndf.exr\"\n");
@@ -303,7 +305,7 @@ TEST_F(BakeManifestCommandTest, MakesTheFoldersOfItsOutputs) {
   expect_says(read_bytes(path("summary.md")), {" | - |\n"});
 }
 
-// What a target says is an assertion about the map: a failure, and no error.
+// A target is an assertion about the map: missing it is a failure, not an error.
 TEST_F(BakeManifestCommandTest, AMissedTargetIsAFailureOfTheReport) {
   write_manifest("target_error = 0.00001\nndf = \"moments\"\n");
   EXPECT_EQ(bake({"--junit", path("junit.xml")}).exit_code, 5);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When the child that decodes fails, a command refuses the file or the machine, with the exit code of that, and leaves
-// no trace: an older output stays as it was.
+// When the decoding child fails, a command refuses the file or blames the machine, with the matching exit code. It
+// leaves no trace: an older output stays unchanged.
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"
@@ -12,8 +12,9 @@ namespace fs = std::filesystem;
 
 class DecodingFailureTest : public CliTest {
  protected:
-  // The programs, in a folder of their own; beside them failing_helper is multum-decode, which fails as the name of its
-  // file says (tests/unit/foundation/sandbox/failing_helper.cpp). Empty `decoder`: there is none.
+  // Installs the programs in a folder of their own. There multum-decode is failing_helper, which fails in the way that
+  // its
+  // file name says (tests/unit/foundation/sandbox/failing_helper.cpp). Empty `decoder`: no multum-decode.
   void install(const std::string& decoder) {
     fs::remove_all(path("bin"));
     fs::create_directories(path("bin"));
@@ -24,7 +25,7 @@ class DecodingFailureTest : public CliTest {
     fs::create_directory(path("out"));
   }
 
-  // `command` with its -o, over an older file.
+  // Runs `command` with an -o that names an older file.
   ProgramResult expect_refused(std::vector<std::string> command, int code,
                                const std::vector<std::string>& parts) const {
     const std::string output = path("out/") + (command.front() == "multum" ? "map.ndf.exr" : "picture.png");
@@ -33,7 +34,7 @@ class DecodingFailureTest : public CliTest {
     write_bytes(output, "an older file");
     const ProgramResult result = run_program(command);
     expect_refusal(result, code, parts);
-    EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "something is left beside it";
+    EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "a file is left in the folder";
     EXPECT_EQ(read_bytes(output), "an older file");
     fs::remove(output);
     return result;
@@ -47,7 +48,7 @@ class DecodingFailureTest : public CliTest {
 
 TEST_F(DecodingFailureTest, BakeRefusesWhatEndsItsDecoder) {
   install("failing_helper");
-#ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
+#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer prints its own messages for signals
   expect_refused({"multum", "bake", map_named("segfault.png")}, kInput,
                  {"segfault.png: ", "decoding", "signal 11", "Segmentation fault", "expected"});
 #endif
@@ -66,7 +67,7 @@ TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
                  {"bin/multum-decode: ", "started"});
 }
 
-// With no decoder in reach nothing is read. With one, what it may take is handed on to the sweep's multum-view.
+// Without a decoder nothing is read. With a decoder, its memory limit is passed on to the sweep's multum-view.
 TEST_F(DecodingFailureTest, SweepsAndPlansReadByTheDecoder) {
   install("");
   write_bytes(path("scene.toml"),
@@ -109,7 +110,7 @@ TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
                                           "--decode child:SECONDS,MEMORY"};
   std::vector<std::string> command = {"multum-view", baked, "--mesh", path("bomb.gltf")};
   const ProgramResult usual = expect_refused(command, kInput, parts);
-  EXPECT_TRUE(contains(usual.err, " 1073")) << usual.err;  // 2^30 and some for the file's size
+  EXPECT_TRUE(contains(usual.err, " 1073")) << usual.err;  // 2^30 plus some bytes for the file's size
   command.insert(command.end(), {"--decode", "child:30,128M"});
   const ProgramResult less = expect_refused(command, kInput, parts);
   EXPECT_TRUE(contains(less.err, " 134")) << less.err;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum doctor: a machine that works, and machines on which something is missing.
+// multum doctor: a working machine, and machines that lack something.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// State, found and advice of an area's findings, one text per finding, by area.
+// By area: one text per finding, with its state, what was found and the advice.
 using Findings = std::map<std::string, std::vector<std::string>>;
 
 Findings findings_of(const std::string& out) {
@@ -29,7 +29,7 @@ Findings findings_of(const std::string& out) {
 
 class DoctorCommandTest : public CliTest {
  protected:
-  // `multum doctor --json` in its own process, under these variables.
+  // Runs `multum doctor --json` in its own process with these environment variables.
   ProgramResult doctor(const std::vector<std::string>& variables,
                        const std::vector<std::string>& arguments = {}) const {
     std::vector<std::string> command = {"env", "-u", "MULTUM_SERVER"};
@@ -40,7 +40,7 @@ class DoctorCommandTest : public CliTest {
     return run_program(command);
   }
 
-  // Expects one failure: of this area, saying these parts.
+  // Expects one failure in this area, whose text has these parts.
   static void expect_failure(const ProgramResult& result, const std::string& area,
                              const std::vector<std::string>& parts) {
     expect_refusal(result, kEnvironment, {"this machine fails"});

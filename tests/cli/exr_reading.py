@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads OpenEXR files and baked ones by docs/reference/file_format.md and the OpenEXR file layout alone: no library
-but Python's own.
-Scan lines and tiles, several parts, levels; not compressed, RLE, ZIPS and ZIP. Not read: deep data, subsampling."""
+"""Reads OpenEXR files and baked ones by docs/reference/file_format.md and the OpenEXR file layout, with only Python's
+standard library.
+Supports scan lines and tiles, several parts, levels; uncompressed, RLE, ZIPS and ZIP. Lacks deep data, subsampling."""
 import hashlib
 import math
 import struct
 import zlib
 
-LINES = {0: 1, 1: 1, 2: 1, 3: 16}  # of a chunk of scan lines, by compression
+LINES = {0: 1, 1: 1, 2: 1, 3: 16}  # scan lines per chunk, by compression
 PIXEL_TYPES = {0: ("I", 4), 1: ("e", 2), 2: ("f", 4)}
 
 
@@ -17,7 +17,7 @@ def text_at(data, at):
 
 
 def read_header(data, at):
-    """{name: (type, bytes)} and where it ends."""
+    """Returns {name: (type, bytes)} and the end offset of the header."""
     attributes = {}
     while data[at]:
         name, at = text_at(data, at)
@@ -42,7 +42,8 @@ def run_lengths_decoded(data):
 
 
 def expanded(data, compression, size):
-    """A chunk's bytes: differences of bytes, the even ones before the odd ones, but for chunks that do not shrink."""
+    """Returns a chunk's bytes. Compressed chunks store differences of bytes, even bytes before odd ones; chunks that do
+    not shrink are stored unchanged."""
     if compression == 0 or len(data) == size:
         return data
     packed = bytearray(run_lengths_decoded(data) if compression == 1 else zlib.decompress(data))
@@ -61,7 +62,7 @@ class Part:
         self.left, self.top = box[:2]
         self.width, self.height = box[2] - box[0] + 1, box[3] - box[1] + 1
         self.compression = attributes["compression"][1][0]
-        self.channels, at, listed = [], 0, attributes["channels"][1]  # (name, type) as they lie in a row
+        self.channels, at, listed = [], 0, attributes["channels"][1]  # (name, type) in the order of a row
         while listed[at]:
             name, at = text_at(listed, at)
             self.channels.append((name, struct.unpack_from("<i", listed, at)[0]))
@@ -93,7 +94,7 @@ class Part:
         return struct.unpack("<i" if kind == "int" else "<f", data)[0]
 
     def add_chunk(self, data, at):
-        """The chunk behind its part's number."""
+        """Reads a chunk after its part number."""
         if self.tile is None:
             level, left = 0, 0
             top = struct.unpack_from("<i", data, at)[0] - self.top
@@ -117,7 +118,7 @@ class Part:
 
 
 def read_exr(data):
-    """The parts of a file, with all their levels."""
+    """Returns the parts of a file with all their levels."""
     magic, version = struct.unpack_from("<II", data)
     assert magic == 20000630 and version & 255 == 2, "no OpenEXR file"
     parts, at, is_multi_part = [], 8, version & 0x1000 != 0
@@ -140,13 +141,14 @@ def read_exr(data):
     return parts
 
 
-# What follows is of baked files.
+# Reading of baked files.
 
 ORDER = "RGBAXYZ"
 
 
 def in_order(part):
-    """The part's channels in the order of docs/reference/file_format.md's table: of a layer R, G, B, A or X, Y, Z."""
+    """Returns the part's channels in the order of docs/reference/file_format.md's table: R, G, B, A or X, Y, Z per
+    layer."""
     def place(name):
         if part.text("name") == "finest":
             passes = ("albedo", "lobe", "normalX", "normalY", "normalZ", "square", "weights")
@@ -167,7 +169,7 @@ def content_hash(parts):
 
 
 def finest_z(x, y, encoding):
-    """docs/reference/file_format.md, "The finest level"."""
+    """Implements docs/reference/file_format.md, "The finest level"."""
     if encoding == "snorm16":
         i, j = round(x * 32767), round(y * 32767)
         square = max(0, 32767**2 - i * i - j * j)
@@ -177,7 +179,7 @@ def finest_z(x, y, encoding):
 
 
 class Baked:
-    """Level 0 of a baked file: `normals` [texel][3], shorter than 1 with roughness; `colours`; `weights`."""
+    """Reads level 0 of a baked file: `normals` [texel][3], shorter than 1 with roughness; `colours`; `weights`."""
 
     def __init__(self, data):
         parts = {part.text("name"): part for part in read_exr(data)}

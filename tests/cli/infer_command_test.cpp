@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum infer, from a folder of ray-traced pictures to pictures by the GL: what is found, what is left out, what is
-// kept of an earlier run, and what is refused.
+// multum infer, from a folder of ray-traced pictures to pictures drawn by GL: results, omissions, reuse of an earlier
+// run, and refusals.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 class InferCommandTest : public TracedSceneTest {
  protected:
-  // Puts a line of the job in another's place.
+  // Replaces a line of the job.
   void change_job(const std::string& from, const std::string& to) {
     std::string text = read_bytes(path("animation.toml"));
     const std::size_t at = text.find(from);
@@ -37,7 +37,7 @@ class InferCommandTest : public TracedSceneTest {
     std::sort(names.begin(), names.end());
     return names;
   }
-  // Root mean square difference of the drawn frame and the ray-traced one, linear, where objects cover wholly.
+  // Root mean square difference of the drawn and the ray-traced frame, linear, where objects cover whole pixels.
   double frame_error(const std::string& sample, const std::string& file) const {
     const std::string frame = path("frame.exr");
     const ProgramResult result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path("out"),
@@ -63,10 +63,10 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
   write_scene({});
   const ProgramResult result = infer({});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  // Textures are held to 1.25 pixels a texel: what is lost is the finest of the waves.
+  // Textures are limited to 1.25 pixels per texel, which loses the finest waves.
   EXPECT_LT(frame_error("0,0", "rad_v00_p00.exr"), 0.01);
   EXPECT_LT(frame_error("v01_p01", "rad_v01_p01.exr"), 0.01);
-  // The ground has no view-dependent layer; the diffuse one is solved once for all views.
+  // The ground has no view-dependent layer. Its diffuse layer is solved once for all views.
   EXPECT_EQ(textures(),
             (std::vector<std::string>{
                 "textures/board/diffuse_light00.exr", "textures/board/diffuse_light01.exr",
@@ -77,7 +77,7 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
     EXPECT_EQ(object.layers.size(), object.name == "board" ? 2u : 1u) << object.name;
   const FilterMatrix matrix = read_filter_matrix(path("out/matrices/v00_p00_ground.fmx"));
   EXPECT_LE(matrix.rows_rejected, matrix.row_count() / 1000);
-  // Inference, in every sampler, is at least twice as good as forward mapping.
+  // With every sampler, the error of inference is at most half that of forward mapping.
   std::map<std::string, double> ground;
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
   for (const auto& row : report["comparison"]["rows"]) ground[row["name"]] = row["mse"]["ground"];
@@ -87,7 +87,7 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
     EXPECT_LT(ground.at(name), 0.5 * ground.at("forward mapping, " + name)) << name;
 }
 
-// Every two views have texture coordinates of their own, and textures that serve them alone.
+// Every two views have their own texture coordinates, and their own textures.
 TEST_F(InferCommandTest, BlocksOfViewsAreInferredApartAndDrawnTogether) {
   TracedScene scene;
   scene.views = 3;
@@ -118,7 +118,7 @@ TEST_F(InferCommandTest, BlocksOfViewsAreInferredApartAndDrawnTogether) {
   }
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
   EXPECT_EQ(report["blocks"], (std::vector<std::string>{"view00-01", "view02-02"}));
-  // What is there of a run with other blocks is not taken.
+  // Textures of a run with other blocks are not reused.
   change_job("block = 2", "block = 1");
   ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
   EXPECT_EQ(manifest().objects[0].mapping_of_sample, (std::vector<int>{0, 1, 2}));
@@ -134,7 +134,7 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   const auto kept_time = fs::last_write_time(kept);
   fs::remove(lost);
   write_bytes(path("out/matrices/v01_p00_board.fmx"), "damaged");
-  // Cut short, but with their keys.
+  // A texture that is cut short but has its keys.
   const std::string cut = path("out/textures/board/diffuse_light00.exr"), whole = read_bytes(cut);
   write_bytes(cut, whole.substr(0, whole.size() - 100));
   const std::string cut_matrix = path("out/matrices/v00_p00_board.fmx"), whole_matrix = read_bytes(cut_matrix);
@@ -148,19 +148,20 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   EXPECT_EQ(fs::last_write_time(kept), kept_time);
   EXPECT_EQ(read_inferred_texture(lost).texels.size() > 0, true);
   EXPECT_EQ(read_bytes(lost), before);
-  // Another setting, and what depends on it is inferred again.
+  // After a change of this setting, everything that depends on it is inferred again.
   change_job("pyramid_weight = 0.1", "pyramid_weight = 0.5");
   ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
   EXPECT_NE(fs::last_write_time(kept), kept_time);
 }
 
-// Interrupted, then killed, when some of 24 textures are there: one takes some milliseconds, and so does it to notice.
+// The run is interrupted, then killed, after some of 24 textures: a texture takes some milliseconds, and so does the
+// check for it.
 TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   TracedScene scene;
   scene.lights = 6;
   write_scene(scene);
-  constexpr std::size_t kTextures = 24;  // of each light one of the ground, and of the board one and one a view
-  // What a killed program was writing has not got its name yet.
+  constexpr std::size_t kTextures = 24;  // per light: one of the ground; one plus one per view of the board
+  // Counts finished textures: a file that a killed program was writing does not have its final name yet.
   const auto named_textures = [&] {
     std::vector<std::string> names;
     if (fs::exists(path("out/textures"))) names = textures();
@@ -181,7 +182,7 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
     EXPECT_EQ(stopped.signal, signal == SIGINT ? 0 : SIGKILL);
     EXPECT_FALSE(fs::exists(path("out/inferred.json")));
     if (signal == SIGINT) {
-      EXPECT_EQ(textures(), named_textures()) << "something is half-written";
+      EXPECT_EQ(textures(), named_textures()) << "a file is half-written";
     }
     for (const std::string& texture : named_textures()) {
       EXPECT_NO_THROW(read_inferred_texture(path("out/" + texture))) << texture;
@@ -189,7 +190,7 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
       EXPECT_EQ(kept.emplace(texture, time).first->second, time) << texture << " was made again";
     }
     EXPECT_GT(kept.size(), before);
-    EXPECT_LT(kept.size(), kTextures) << "all was done before the signal came";
+    EXPECT_LT(kept.size(), kTextures) << "the run ended before the signal";
   }
   ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
   EXPECT_TRUE(fs::exists(path("out/inferred.json")));
@@ -197,10 +198,10 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   EXPECT_EQ(named_textures().size(), kTextures);
 }
 
-// Ctrl-C on a terminal reaches multum-view too: that is no failure of its.
+// Ctrl-C on a terminal reaches multum-view too, which is not a failure of multum-view.
 TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   write_scene({});
-  // A viewer that ends as Ctrl-C ends it, and tells multum of it as the terminal would.
+  // A viewer that ends as after Ctrl-C, and signals multum as the terminal would.
   fs::create_directory(path("bin"));
   for (const char* program : {"multum", "multum-decode"})
     fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
@@ -212,7 +213,7 @@ TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   EXPECT_FALSE(fs::exists(path("out/inferred.json")));
 }
 
-// A viewer that crashes ends the run with what it said, and multum goes on living to say so.
+// If the viewer crashes, multum survives and reports the viewer's output.
 TEST_F(InferCommandTest, AViewerThatCrashesIsAnErrorThatSaysSo) {
   write_scene({});
   fs::create_directory(path("bin"));
@@ -239,8 +240,8 @@ TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
   EXPECT_GT(report["nan_depths"], 0);
 }
 
-// Such images say nothing of how much of a pixel an object covers: the geometry does. Otherwise the board's gloss would
-// be the ground's too, where their pixels meet.
+// Such images do not say how much of a pixel an object covers; multum takes this from the geometry. Otherwise the
+// board's gloss would also appear on the ground, where they share pixels.
 TEST_F(InferCommandTest, ObjectIndexImagesAreUnmixedByTheGeometry) {
   TracedScene scene;
   scene.has_object_index = true;
@@ -265,7 +266,7 @@ TEST_F(InferCommandTest, AnObjectThatIsNeverSeenIsSaidAndLeftOut) {
   EXPECT_FALSE(fs::exists(path("out/textures/hidden")));
 }
 
-// Of layers that do not depend on views, the second view's pictures.
+// For layers that do not depend on views, the second view's pictures are held out.
 TEST_F(InferCommandTest, HeldOutViewsAreReported) {
   TracedScene scene;
   scene.lights = 1;
@@ -282,7 +283,7 @@ TEST_F(InferCommandTest, HeldOutViewsAreReported) {
     for (const auto& layer : object["layers"]) {
       SCOPED_TRACE(object["name"].get<std::string>() + ", " + layer["name"].get<std::string>());
       if (layer["name"] != "diffuse") {
-        EXPECT_TRUE(layer["held_out"].is_null()) << "it depends on the view";
+        EXPECT_TRUE(layer["held_out"].is_null()) << "the layer depends on the view";
         continue;
       }
       ASSERT_TRUE(layer["held_out"].is_object());
@@ -292,8 +293,9 @@ TEST_F(InferCommandTest, HeldOutViewsAreReported) {
       squares += held_out * count;
       pixels += count;
     }
-  // The very view drawn, where objects cover pixels wholly, which is easier: 0.0034 of the report's 0.0043. What was
-  // solved for is ten times nearer.
+  // The held-out view drawn, where objects cover whole pixels, has a lower error: 0.0034 instead of the report's
+  // 0.0043.
+  // The views that were solved for have a tenth of this error.
   const double drawn = frame_error("v01_p00", "rad_v01_p00.exr");
   EXPECT_NEAR(drawn / (std::sqrt(squares / pixels) / 255.0), 0.8, 0.2);
   EXPECT_LT(frame_error("v00_p00", "rad_v00_p00.exr"), 0.2 * drawn);
@@ -325,7 +327,7 @@ TEST_F(InferCommandTest, Refusals) {
   const std::string bytes = read_bytes(radiance);
   write_bytes(radiance, bytes.substr(0, bytes.size() / 2));
   expect_refusal(infer(), kInput, {"rad_v01_p00.exr"});
-  EXPECT_FALSE(fs::exists(path("out/inferred.json"))) << "no manifest of what is not whole";
+  EXPECT_FALSE(fs::exists(path("out/inferred.json"))) << "an incomplete result must have no manifest";
 }
 
 TEST_F(InferCommandTest, CamerasThatDisagreeWithThePicturesAreRefused) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes that do not come to their end. kill -9 leaves at most a temporary file, hidden and named
-// .multum-tmp-PID-NUMBER-PLACE-NAME, and finished rows in .multum-partial-NAME: both go with the next bake of NAME.
-// SIGINT and SIGTERM leave nothing.
+// Interrupted bakes. kill -9 leaves at most a hidden temporary file named .multum-tmp-PID-NUMBER-PLACE-NAME, and
+// finished rows in .multum-partial-NAME; the next bake of NAME removes both. SIGINT and SIGTERM leave nothing.
 #include <signal.h>
 
 #include <chrono>
@@ -24,7 +23,7 @@ class InterruptTest : public CliTest {
     std::filesystem::create_directory(path("out"));
     make_map("map", 512);
   }
-  // Long enough to be interrupted, in its last stage too: best compression makes writing slow.
+  // The bake is long enough to be interrupted, in its last stage too: the best compression makes writing slow.
   std::vector<std::string> command() const {
     return multum_command({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
                            path("out/map.ndf.exr"), "--no-measure", "--compression", "zip:8"});
@@ -35,11 +34,11 @@ class InterruptTest : public CliTest {
       found.insert(entry.path().filename().string());
     return found;
   }
-  // Waits until the bake has read its map, when its signal handlers are certainly in place.
+  // Waits until the bake has read its map; its signal handlers are installed by then.
   static void wait_until_fitting(Program& bake) {
     while (bake.running() && bake.err_so_far().find("512 x 512") == std::string::npos) pause(0.005);
   }
-  // Waits until a good part of the file is written; returns the temporary file's name.
+  // Waits until a large part of the file is written. Returns the temporary file's name.
   std::string wait_until_writing(Program& bake) const {
     while (bake.running()) {
       for (const auto& entry : std::filesystem::directory_iterator(path("out"))) {
@@ -72,13 +71,13 @@ TEST_F(InterruptTest, Kill9LeavesNothingUnderTheFinalName) {
     const ProgramResult result = bake.wait();
     if (result.signal == SIGKILL && !std::filesystem::exists(path("out/map.ndf.exr"))) {
       ++killed;
-    } else {  // it was quicker than its first run: all of the file is there, even if it was killed while it ended
+    } else {  // the run was faster than the first one: the file is complete, even if the kill came while the run ended
       EXPECT_TRUE(result.signal == SIGKILL || result.exit_code == 0) << result.exit_code;
       EXPECT_TRUE(read_bytes(path("out/map.ndf.exr")) == finished) << "kill " << i;
     }
   }
   EXPECT_GE(killed, 3);
-  // Whatever the killed ones left, the next bake is whole, and alone in its folder.
+  // After the killed runs, the next bake is complete and leaves no other file in its folder.
   ASSERT_EQ(run_program(command()).exit_code, 0);
   EXPECT_TRUE(read_bytes(path("out/map.ndf.exr")) == finished);
   EXPECT_EQ(names(), std::set<std::string>{"map.ndf.exr"});
@@ -89,7 +88,7 @@ TEST_F(InterruptTest, Kill9WhileWritingLeavesATemporaryFileThatTheNextBakeRemove
   Program bake(command());
   const std::string temporary = wait_until_writing(bake);
   bake.send(SIGKILL);
-  ASSERT_EQ(bake.wait().signal, SIGKILL) << "no file appeared beside the final name";
+  ASSERT_EQ(bake.wait().signal, SIGKILL) << "no temporary file appeared next to the final name";
   EXPECT_EQ(read_bytes(path("out/map.ndf.exr")), "an older file");
   EXPECT_EQ(temporary.rfind(".multum-tmp-" + std::to_string(bake.pid()) + "-", 0), 0u) << temporary;
   EXPECT_TRUE(temporary.ends_with("-map.ndf.exr")) << temporary;
@@ -123,7 +122,7 @@ TEST_F(InterruptTest, SigintAndSigtermLeaveNothing) {
       const double sent = now();
       bake.send(signal);
       const ProgramResult result = bake.wait();
-      EXPECT_LT(now() - sent, 0.4 * whole) << "takes too long to stop";
+      EXPECT_LT(now() - sent, 0.4 * whole) << "stopping took too long";
       expect_refusal(result, 130, {"cancelled"});
       EXPECT_EQ(result.out, "");
       EXPECT_EQ(names(), std::set<std::string>{"map.ndf.exr"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PoCL compiles kernels for the processor at hand with a library of built-in functions for its instructions. Kernels
-// must give the same bytes whichever it is: machines of a build farm differ.
+// PoCL compiles kernels with a library of built-in functions for the processor's instruction set. Kernels must give the
+// same bytes with every library, because machines of a build farm differ.
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "tests/cli/program.h"
 
@@ -9,9 +9,9 @@ namespace {
 
 class KernelLibraryTest : public CliTest {
  protected:
-  // The content hash of a bake, empty where PoCL lacks the library or the processor the instructions.
+  // Returns the content hash of a bake, or "" if PoCL lacks the library or the processor lacks the instructions.
   std::string hash_with(const std::string& library, const std::string& processor) {
-    // PoCL keeps the kernels of each processor apart.
+    // PoCL caches the kernels of each processor separately.
     std::vector<std::string> command = {"env", "POCL_KERNELLIB_NAME=" + library, "POCL_LLVM_CPU_NAME=" + processor};
     for (const std::string& word :
          multum_command({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",

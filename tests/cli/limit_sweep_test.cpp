@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every command under small limits of the shell (ulimit -f, -v, -n): it is done or says what is missing, with the exit
-// code of the machine; no signal ends it, and nothing half-written is left.
+// Runs every command under small limits of the shell (ulimit -f, -v, -n). The command succeeds or says what is missing,
+// with the exit code for the machine; no signal ends it, and no half-written file is left.
 
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
@@ -33,7 +33,7 @@ class LimitSweepTest : public CliTest {
   std::string out(const std::string& name) const { return path("out/" + name); }
   static std::string program(const std::string& name) { return std::string(MULTUM_BIN_DIR) + "/" + name; }
 
-  // What they write is in the folder "out".
+  // The commands write into the folder "out".
   std::vector<std::vector<std::string>> commands() const {
     const std::string multum = program("multum"), view = program("multum-view");
     std::vector<std::vector<std::string>> all = {
@@ -94,7 +94,7 @@ TEST_F(LimitSweepTest, OpenFiles) { sweep({"-n 8", "-n 14", "-n 22"}); }
 #ifndef MULTUM_SHADOW_MEMORY
 TEST_F(LimitSweepTest, Memory) { sweep({"-v 250000", "-v 450000", "-v 700000"}); }
 
-// Drivers of OpenGL end a program by a signal where they find no memory; how much each takes differs between machines.
+// OpenGL drivers end a program by a signal when memory runs out. Their memory use differs between machines.
 TEST_F(LimitSweepTest, MemoryOfDrivers) {
   if (!fs::exists(program("multum-view"))) GTEST_SKIP() << "without multum-view";
   for (int limit = 200000; limit < 480000; limit += 12000)

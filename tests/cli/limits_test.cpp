@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands that run out of something: disk in mid-bake, memory, open files, a folder to write to, a name. A clear
-// error, an exit code, no signal, and nothing half-written.
+// Commands that run out of a resource: disk space during a bake, memory, open files, a writable folder, name length.
+// The error is clear and has an exit code; there is no signal and no half-written file.
 #include <sys/mount.h>
 
 #include "host/foundation/base/processes/sanitizers.h"
@@ -21,13 +21,13 @@ class LimitsTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum_command(arguments);
   }
-  // A command under a limit of bash's ulimit: "-f 16".
+  // Runs a command under a limit of bash's ulimit, such as "-f 16".
   static ProgramResult limited(const std::string& limit, const std::vector<std::string>& command) {
     std::vector<std::string> shell = {"bash", "-c", "ulimit " + limit + "; exec \"$@\"", "bash"};
     shell.insert(shell.end(), command.begin(), command.end());
     return run_program(shell);
   }
-  // Compilers write files too, PoCL whenever a program is not in a file.
+  // Builds the kernels beforehand: compilers write files too, and PoCL compiles whenever a program is not cached.
   void build_kernels() const {
     const ProgramResult built = run_program(bake());
     ASSERT_EQ(built.exit_code, 0) << built.err;
@@ -41,8 +41,8 @@ class LimitsTest : public CliTest {
   }
 };
 
-// Files may not grow beyond a limit that the memory shared with the decoder just keeps (771 KiB), which says "File too
-// large" where a full disk says "No space left on device".
+// Limits the size of files. The memory shared with the decoder (771 KiB) just fits. The system then says "File too
+// large"; a full disk would say "No space left on device".
 TEST_F(LimitsTest, FilesThatCannotGrow) {
   build_kernels();
   for (const int kibibytes : {780, 800, 820}) {
@@ -56,7 +56,7 @@ TEST_F(LimitsTest, PicturesThatCannotGrow) {
   expect_failed(result, {path("out/picture"), ".png: writing failed: File too large"});
 }
 
-// The memory that the decoding child shares counts as a file.
+// The memory shared with the decoding child counts as a file.
 TEST_F(LimitsTest, SharedMemoryThatCannotGrow) {
   expect_failed(limited("-f 16", bake()), {"shared memory of", "File too large", "ulimit -f"});
 }
@@ -74,7 +74,8 @@ TEST_F(LimitsTest, TooLittleMemoryNamesWhatIsNeeded) {
   expect_failed(run_program(bake({"--memory", "much"})), {"--memory", "much"});
 }
 
-// Too long for a file, whatever the command would do with it: nothing is tried, and no other machine would take it.
+// A name is too long for a file, whatever the command is. The command tries nothing, and no other machine would accept
+// the name.
 TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
   const std::string name(256, 'x');
   std::string deep;
@@ -102,10 +103,10 @@ TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
     EXPECT_EQ(run_program({view, path(name), "-o", path("a.png")}).exit_code, kUsage);
   }
   const std::string longest = path("out/" + std::string(251, 'x') + ".png");
-  EXPECT_EQ(multum({"info", longest}).exit_code, kInput) << "not there, but a file might be";
+  EXPECT_EQ(multum({"info", longest}).exit_code, kInput) << "this folder does not exist, but a file could";
 }
 
-// Neither PoCL's cache nor that of this project's programs can be made in a home like this one, not even by root.
+// In this home folder neither PoCL's cache nor multum's program cache can be created, not even by root.
 TEST_F(LimitsTest, KernelsThatCannotBeKeptAreCompiledInAPrivateFolder) {
   std::filesystem::create_directory(path("tmp"));
   std::vector<std::string> command = {"env",
@@ -122,11 +123,11 @@ TEST_F(LimitsTest, KernelsThatCannotBeKeptAreCompiledInAPrivateFolder) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   expect_says(result.err, {path("map_normal.png/.cache/multum"), "Not a directory", "MULTUM_CACHE_DIR",
                            path("map_normal.png/.cache/pocl/kcache"), "POCL_CACHE_DIR"});
-  EXPECT_TRUE(std::filesystem::is_empty(path("tmp"))) << "it goes with the program";
+  EXPECT_TRUE(std::filesystem::is_empty(path("tmp"))) << "the private folder is removed with the program";
 }
 
-#ifndef MULTUM_SHADOW_MEMORY  // which takes terabytes
-// The file is none the worse for it: another machine may read it.
+#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer reserves terabytes
+// The file is not at fault: another machine may read it.
 TEST_F(LimitsTest, TooLittleMemoryToDecodeIsOfTheMachine) {
   for (const char* limit : {"-v 200000", "-v 330000", "-d 20000", "-d 100000"}) {
     SCOPED_TRACE(limit);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --roughness and --weights: what the file holds, what it is recognised by, in manifests and for every
-// representation.
+// multum bake --roughness and --weights: the contents of the file, and how changes are recognised, in manifests and for
+// every representation.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,7 +19,7 @@ class MaterialsCommandTest : public CliTest {
  protected:
   void SetUp() override {
     make_map("map", 64);
-    // glTF's order: occlusion, roughness, metalness; then weights of four.
+    // glTF's order of channels: occlusion, roughness, metalness; then weights of four BRDFs.
     write_waves("orm.png", 3, 0.5);
     write_waves("weights.png", 4, 1.0);
   }
@@ -31,7 +31,7 @@ class MaterialsCommandTest : public CliTest {
     if (channels == 4) image.alpha_channel = 3;
     write_test_image(path(name), image);
   }
-  // None but for one texel.
+  // Writes a roughness map that is 0 except for one texel.
   void write_rough_texel(float value) const {
     TestImage image{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT};
     image.values.assign(64 * 64, 0.0f);
@@ -83,11 +83,11 @@ TEST_F(MaterialsCommandTest, TheViewerWarnsOfOtherMapsThanTheBakeHad) {
   EXPECT_FALSE(contains(viewed.err, "was baked with")) << viewed.err;
   viewed = view("other_orm.png:R", "other_weights.png", "other_orm.png");
   ASSERT_EQ(viewed.exit_code, 0) << viewed.err;
-  for (const char* option : {"--roughness is not what", "--weights is not what", "--albedo is not what"})
+  for (const char* option : {"--roughness differs from", "--weights is not what", "--albedo is not what"})
     EXPECT_TRUE(contains(viewed.err, option)) << option << viewed.err;
   viewed = view("orm.png:G", "weights.png", "colours.png");
-  EXPECT_TRUE(contains(viewed.err, "orm.png:G: --roughness is not what")) << "another channel" << viewed.err;
-  EXPECT_FALSE(contains(viewed.err, "--weights is not what")) << viewed.err;
+  EXPECT_TRUE(contains(viewed.err, "orm.png:G: --roughness differs from")) << "another channel" << viewed.err;
+  EXPECT_FALSE(contains(viewed.err, "--weights differs from")) << viewed.err;
 }
 
 TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
@@ -157,10 +157,10 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   expect_refusal(result, kInput, {"orm.png", "no channel A"});
   result = bake("a.ndf.exr", {"--weights", path("none.png")});
   EXPECT_EQ(result.exit_code, 3) << result.err;
-  // What is read must not be written over, whatever its channel.
+  // An input must not be overwritten, whatever its channel.
   result = multum({"bake", path("map_normal.png"), "-o", path("b.exr"), "--roughness", path("b.exr") + ":R"});
   EXPECT_EQ(result.exit_code, 2) << result.err;
-  // Of every representation: not even one texel.
+  // Every representation refuses the map for a single bad texel.
   write_rough_texel(NAN);
   for (const char* ndf : {"vmf", "gmm", "sh", "moments"}) {
     result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("rough.exr")});
@@ -169,8 +169,8 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
-// Gloss is 1 - roughness, for the command line, manifests and reports; what was baked with one is not what the other
-// is.
+// Gloss is 1 - roughness, for the command line, manifests and reports. A bake with one does not count as a bake with
+// the other.
 TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT}, gloss = rough;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -197,12 +197,12 @@ TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
     const auto json = nlohmann::json::parse(read_bytes(path(report)))["roughness"];
     EXPECT_NEAR(json["mean"].get<double>(), 63.0 / 128.0, 1e-6);
     EXPECT_EQ(json["share_at_0"], 1.0 / 64.0);
-    EXPECT_EQ(json["warnings"].size(), 1u) << "a tenth of it is a mirror";
+    EXPECT_EQ(json["warnings"].size(), 1u) << "a tenth of the map is a mirror";
   }
   EXPECT_FALSE(contains(bake_with("a.ndf.exr", {"--gloss", path("rough.exr")}).out, "unchanged"));
   EXPECT_NE(hash("a.ndf.exr"), hash("b.ndf.exr"));
   EXPECT_EQ(bake_with("a.ndf.exr", {"--gloss", path("gloss.exr"), "--roughness", path("rough.exr")}).exit_code, 2);
-  EXPECT_EQ(bake_with("gloss.exr", {"--gloss", path("gloss.exr")}).exit_code, 2) << "an input is no output";
+  EXPECT_EQ(bake_with("gloss.exr", {"--gloss", path("gloss.exr")}).exit_code, 2) << "an input must not be an output";
   std::ofstream(path("maps.toml")) << "[defaults]\nndf = \"moments\"\ngreen = \"up\"\nroughness = \"rough.exr\"\n"
                                       "[[map]]\ninput = \"map_normal.png\"\noutput = \"c.ndf.exr\"\n"
                                       "gloss = \"gloss.exr\"\n";
@@ -211,7 +211,8 @@ TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   EXPECT_TRUE(contains(bake_with("b.ndf.exr", {"--gloss", path("gloss.exr")}).out, "unchanged"));
 }
 
-// Diffuse light is seen through lobes that roughness has widened, by more than the mean of the map where that varies.
+// Roughness widens the lobes and blurs diffuse light. Where roughness varies, the map's mean does not correct all of
+// it.
 TEST_F(MaterialsCommandTest, AnErrorOfDiffuseLightIsWarnedOf) {
   const auto warned = [&](float rougher) {
     TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT};
@@ -229,7 +230,7 @@ TEST_F(MaterialsCommandTest, AnErrorOfDiffuseLightIsWarnedOf) {
   expect_says(warned(1.0f), {"map_normal.png: ", "diffuse light", "levels 0 and 1", "--roughness"});
 }
 
-// No roughness, and all of it: single directions, and the widest lobes.
+// Roughness 0 and 1: single directions, and the widest lobes.
 TEST_F(MaterialsCommandTest, NoneAndAllOfIt) {
   for (const char* ndf : {"gmm", "sh"})
     for (const float value : {0.0f, 1.0f}) {
@@ -262,7 +263,7 @@ weights = ""
   ASSERT_EQ(multum({"bake", "--manifest", path("maps.toml")}).exit_code, 0);
   EXPECT_EQ(read_baked_header(path("a.ndf.exr")).format_version(), 4);
   EXPECT_EQ(read_baked_header(path("b.ndf.exr")).format_version(), 3);
-  // As the command line makes it.
+  // The same bake as from the command line.
   EXPECT_TRUE(contains(bake("a.ndf.exr", {"--lobes", "2", "--no-start-search", "--weights", path("weights.png"),
                                           "--roughness", path("orm.png") + ":G"})
                            .out,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --ndf moments: its file, its figures, what it recognises and refuses, and maketx --bumpslopes beside it.
+// multum bake --ndf moments: its file, its figures, changes that it recognises, refusals, and maketx --bumpslopes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace multum::testing {
 namespace {
 
-// Headers come first and are long; the file's end is pixels.
+// Flips a bit near the end of the file: headers come first and are long, and the end is pixels.
 void flip_a_pixel(std::string& bytes) {
   char& byte = bytes[bytes.size() - 2000];
   byte = static_cast<char>(byte ^ 16);
@@ -29,7 +29,7 @@ class MomentsCommandTest : public CliTest {
     return multum(more);
   }
   std::string hash(const std::string& name) const { return read_baked_header(path(name)).provenance.content_hash; }
-  /// Normals as a signed EXR of floats, which says what it means without statistics.
+  /// Writes normals as a signed EXR of floats, whose encoding needs no statistics.
   void make_exr(const std::string& name, int width, int height) const {
     TestImage image = normal_image(width, height, true);
     image.type = OIIO::TypeDesc::FLOAT;
@@ -52,7 +52,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("movmf_em_texels")) << "nothing is fitted";
-  // 7 levels: 3 ways to shade 4 BRDFs, plain and coloured, at 4 points but for the last level, which has one.
+  // 7 levels: 3 ways to shade 4 BRDFs, plain and coloured, at 4 points; the last level has only one point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 24u);
   for (const auto& row : report["measured_error"]) {
     EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
@@ -72,7 +72,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_EQ(std::count(verify.out.begin(), verify.out.end(), '\n'), 7) << verify.out;
 }
 
-// The order of help: the most accurate first, and the default.
+// Help lists the most accurate representation first, which is also the default.
 TEST_F(MomentsCommandTest, HelpNamesLobesFirst) {
   const std::string help = multum({"bake", "--help"}).out;
   EXPECT_TRUE(std::regex_search(help, std::regex("--ndf[^\\n]*vmf[^-]*"))) << help;
@@ -91,7 +91,7 @@ TEST_F(MomentsCommandTest, IsRecognisedAndBakedAgainOnlyWhenItMustBe) {
   EXPECT_EQ(hash("map.ndf.exr"), first);
   EXPECT_FALSE(contains(bake("map_normal.png", "map.ndf.exr", {"-d", "float"}).out, "unchanged"));
   EXPECT_NE(hash("map.ndf.exr"), first);
-  // Another representation is another file.
+  // A file of another representation counts as another file.
   const ProgramResult lobes = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr")});
   EXPECT_EQ(lobes.exit_code, 0);
   EXPECT_FALSE(contains(lobes.out, "unchanged"));
@@ -154,7 +154,7 @@ TEST_F(MomentsCommandTest, WhatFitsNoMomentsIsRefused) {
   refused({"--ndf", "gmm"}, {"--ndf"});
 }
 
-// NaN and below the horizon, as every bake repairs them; at the rim slopes are limited and counted.
+// NaN and normals below the horizon are repaired as in every bake. Near the horizon slopes are limited and counted.
 TEST_F(MomentsCommandTest, BrokenAndSteepNormalsAreRepairedAndCounted) {
   TestImage image = normal_image(64, 64, true);
   image.type = OIIO::TypeDesc::FLOAT;
@@ -208,7 +208,7 @@ TEST_F(MomentsCommandTest, AManifestBakesAndChecksBoth) {
   expect_refusal(refused, kInput, {"maps.toml:5: ", "lobes", "ndf = \"vmf\""});
 }
 
-// All levels of the first part, [level][texel][channel].
+// Reads all levels of the first part, [level][texel][channel].
 std::vector<std::vector<float>> read_first_part(const std::string& path, int channel_count) {
   std::vector<std::vector<float>> levels;
   const auto in = OIIO::ImageInput::open(path);
@@ -221,7 +221,8 @@ std::vector<std::vector<float>> read_first_part(const std::string& path, int cha
   return levels;
 }
 
-// The six channels are maketx's, names and signs and all, where maketx is right: signed input, sizes that halve.
+// The six channels equal maketx's in names, order and signs, for inputs that maketx handles well: signed, with sizes
+// that halve.
 TEST_F(MomentsCommandTest, TheFirstPartIsWhatMaketxWrites) {
   if (!program_works("maketx", "--help")) GTEST_SKIP() << "no maketx (Debian package openimageio-tools)";
   make_exr("map.exr", 64, 32);
@@ -242,7 +243,7 @@ TEST_F(MomentsCommandTest, TheFirstPartIsWhatMaketxWrites) {
   EXPECT_EQ(in->spec().channelnames, reference->spec().channelnames);
 }
 
-// Where maketx is wrong: it takes the values of a usual normal map, 0..1, for -1..1.
+// maketx treats the values 0..1 of a usual normal map as -1..1, which is wrong; multum decodes them.
 TEST_F(MomentsCommandTest, UnsignedMapsAreDecodedWhereMaketxTakesThemForSigned) {
   make_exr("signed.exr", 64, 64);
   TestImage image = normal_image(64, 64);
@@ -258,7 +259,7 @@ TEST_F(MomentsCommandTest, UnsignedMapsAreDecodedWhereMaketxTakesThemForSigned) 
   ASSERT_EQ(run_program({"maketx", "--bumpslopes", "-d", "float", path("unsigned.png"), "-o", path("x.exr")}).exit_code,
             0);
   EXPECT_GT(std::abs(read_first_part(path("x.exr"), 6).back()[1] - from_signed[1]), 0.3f)
-      << "mended? say so in the docs";
+      << "maketx no longer has this fault; update the docs";
 }
 
 }  // namespace

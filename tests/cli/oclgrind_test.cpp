@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every kernel once under oclgrind, a simulator that sees what drivers do not tell: reads and writes outside of
+// Runs every kernel once under oclgrind, a simulator that finds errors which drivers do not report: accesses outside
 // buffers, data races, wrong calls. Whole bakes run in it, as a user would start them.
 //
-// Without --uninitialized: of oclgrind 21.10 (Debian 12) it stops at LLVM's freeze instruction, and without
-// optimisation it takes buffers over the program's own memory (CL_MEM_USE_HOST_PTR) and structs passed by value for
+// Without --uninitialized: with it, oclgrind 21.10 (Debian 12) stops at LLVM's freeze instruction. Without optimisation
+// it also reports buffers over the program's own memory (CL_MEM_USE_HOST_PTR) and structs passed by value as
 // uninitialised, tens of thousands of times.
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -23,7 +23,7 @@ class OclgrindTest : public CliTest {
     if (!program_works("oclgrind", "--version")) GTEST_SKIP() << "no oclgrind (Debian package oclgrind)";
   }
 
-  // Runs the program in oclgrind, which must have no complaint.
+  // Runs the program in oclgrind and expects no report.
   ProgramResult simulate(const std::vector<std::string>& arguments, const std::vector<std::string>& options = {}) {
     std::vector<std::string> command = {"oclgrind", "--data-races", "--check-api", "--log", path("complaints")};
     command.insert(command.end(), options.begin(), options.end());
@@ -36,7 +36,7 @@ class OclgrindTest : public CliTest {
     return result;
   }
 
-  // Bakes in oclgrind and remembers which kernels were launched, by the report.
+  // Bakes in oclgrind and collects the launched kernels from the report.
   void bake(std::vector<std::string> options) {
     options.insert(options.begin(),
                    {"bake", "--bumpformat", "normal", "--report", path("report.json"), "-o", path("map.ndf.exr")});
@@ -47,7 +47,7 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
-  // The same of an export.
+  // Exports in oclgrind and collects the launched kernels.
   void export_material(std::vector<std::string> options, const std::vector<std::string>& of_oclgrind = {}) {
     options.insert(options.begin(), "export");
     options.insert(options.end(),
@@ -57,7 +57,7 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
-  // The same of a command that makes a pyramid.
+  // Runs a command that makes a pyramid in oclgrind, and collects the launched kernels.
   void make_pyramid(std::vector<std::string> command) {
     command.insert(command.end(), {"--report", path("report.json"), "-o", path("pyramid.exr")});
     simulate(multum_command(command));
@@ -84,7 +84,7 @@ TestImage few_normals(int width, int height) {
   return image;
 }
 
-// The kernels of kernels/*.cl.
+// Returns the names of all kernels in kernels/*.cl.
 std::set<std::string> all_kernels() {
   std::set<std::string> names;
   const std::regex kernel("__kernel void (\\w+)\\(");
@@ -97,13 +97,13 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  // The coarsest texel is binned, or fitted in chunks, in 60 iterations: binned by a team, it has few normals.
+  // The coarsest texel has few normals. It is binned by a team, or fitted in chunks, in 60 iterations.
   write_maps("odd", normal_image(35, 31));  // texels cover fractions
   write_maps("odd_of_few", few_normals(35, 31));
   write_maps("even_of_few", few_normals(64, 32));
   write_maps("even", normal_image(32, 16));
   write_maps("tiny", normal_image(7, 6));
-  // To measure is slow here: the small even map is, and the tiny one, also with colours and by the scalar kernel.
+  // Measuring is slow here. The small even map and the tiny one are measured, also with colours and the scalar kernel.
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--lobes", "3", "--no-measure",
         "--no-start-search"});
   bake({path("odd_of_few.png"), "--albedo", path("odd_of_few_albedo.png"), "--iterations", "1", "--passes", "1",
@@ -130,14 +130,14 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
 
   export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--anisotropy"});
   export_material({path("tiny.png"), "--fast"});
-  // Inlined functions that return structs leave llvm.experimental.noalias.scope.decl, which Oclgrind does not know.
+  // Inlined functions that return structs leave llvm.experimental.noalias.scope.decl, which oclgrind does not support.
   export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--format", "ktx2", "--texels", "bc"},
                   {"--build-options", "-cl-opt-disable"});
 
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});
 
-  // The kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
+  // Adds the kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");
   const std::string programs = MULTUM_BIN_DIR;
   for (const std::vector<std::string>& command :

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The odd inputs: some 570 small maps, from a seed, each with what docs/reference/input_maps.md says of it."""
+"""Makes the odd inputs: about 570 small maps from a seed, each with the result that docs/reference/input_maps.md
+promises."""
 import math
 import struct
 import zlib
@@ -14,17 +15,17 @@ from odd_tiff import Layout, read_tiff, write_tiff
 
 SIZES = ((8, 8), (9, 13), (17, 11), (33, 17), (16, 16), (12, 20), (31, 9), (5, 7), (8, 33), (1, 1), (1, 16), (16, 1),
          (2, 3), (3, 1))
-LARGE = ((17, 11), (33, 17), (16, 16), (12, 20), (31, 19), (14, 33))  # green can be told
+LARGE = ((17, 11), (33, 17), (16, 16), (12, 20), (31, 19), (14, 33))  # the direction of green is recognisable
 NAN, INF = math.nan, math.inf
 
 
 @dataclass
 class Beside:
-    """A map beside the normals: colours, roughness, gloss or weights."""
+    """A map that accompanies the normals: colours, roughness, gloss or weights."""
     option: str
     data: bytes
     extension: str
-    expected: list  # [texel], as the baked file has it
+    expected: list  # [texel], as in the baked file
     channel: str = ""
 
 
@@ -33,11 +34,11 @@ class Case:
     kind: str
     data: bytes
     extension: str
-    picture: Picture = None  # decoded by the decoder of these tests; None: refused
+    picture: Picture = None  # decoded by these tests' own decoder; None: refused
     meaning: Meaning = field(default_factory=Meaning)
     options: tuple = ()
-    warns: tuple = ()  # each is in one of its warnings
-    refused: tuple = ()  # each is in the message
+    warns: tuple = ()  # each must be in one of the warnings
+    refused: tuple = ()  # each must be in the message
     beside: tuple = ()
     tolerance: float = 1e-5
     movmf: bool = False
@@ -49,7 +50,7 @@ class Case:
 
 
 def exr_picture(data, names):
-    """The first part's channels, by name, as one picture; of types that differ as floats."""
+    """Returns the first part's channels, by name, as one picture. Channels of different types become floats."""
     part = read_exr(data)[0]
     planes = [part.levels[0][name] for name in names]
     kinds = {kind for _, kind in part.channels}
@@ -75,14 +76,14 @@ class Generator:
         return self.random.choice(sizes)
 
     def normals(self, kind="uint", bits=8, sizes=SIZES, is_signed=None):
-        """Normals of a surface as a picture, and what they mean."""
+        """Returns normals of a surface as a picture, and their expected meaning."""
         width, height = self.size(sizes)
         is_signed = kind == "int" if is_signed is None else is_signed
         return picture_of(surface(width, height, self.random), width, height, kind, bits, is_signed), \
             Meaning(is_signed=is_signed)
 
     def with_alpha(self, picture, count=1):
-        """Random numbers behind each texel's."""
+        """Appends random numbers to each texel."""
         n, samples = picture.channels, []
         for i in range(0, len(picture.samples), n):
             largest = 2**(picture.bits - (picture.kind == "int")) - 1
@@ -108,7 +109,7 @@ class Generator:
                         self.add("PNG normals", data, "png", read_png(data), meaning)
 
     def few_normals(self, count):
-        """`count` 8-bit normals around +Z: the entries of a colour map."""
+        """Returns `count` 8-bit normals around +Z: the entries of a colour map."""
         normals = surface(16, 16, self.random)
         chosen = self.random.sample(normals, count)
         return [[rounded(c / 2 + 0.5, "uint", 8) for c in v] for v in chosen]
@@ -122,7 +123,7 @@ class Generator:
                 picture = Picture(width, height, 1, "uint", depth, indices)
                 data = self.png(picture, 3, palette=palette, interlace=variant == 1,
                                 transparent=bytes([0, 128]) if variant == 2 else None)
-                # Of facets in random order two may be the only ones, which lean to a side.
+                # Facets in random order may have only two kinds, which lean to one side.
                 self.add("PNG palettes", data, "png", read_png(data), options=("--bumpformat", "normal"))
 
     def png_chunks(self):
@@ -138,7 +139,7 @@ class Generator:
                 picture, meaning = self.normals(bits=bits)
                 data = self.png(picture, 2, chunks=chunks)
                 self.add("PNG chunks", data, "png", read_png(data), meaning)
-            picture, meaning = self.normals(bits=bits)  # one colour is transparent, the background another
+            picture, meaning = self.normals(bits=bits)  # one colour is transparent, another the background
             data = self.png(picture, 2, transparent=struct.pack(">3H", *picture.samples[:3]),
                             chunks=[(b"bKGD", struct.pack(">3H", largest, 0, 0))])
             self.add("PNG chunks", data, "png", read_png(data), meaning)
@@ -160,7 +161,7 @@ class Generator:
                 data = write_tiff(picture, Layout(is_planar=is_planar, photometric=tiff.BLACK_IS_ZERO, extra=(0,)))
                 self.add("two channels", data, "tif", read_tiff(data),
                          Meaning(is_two_channel=True, is_signed=kind != "uint"))
-        width, height = 9, 13  # said, of a map with a blue of its own
+        width, height = 9, 13  # printed for a map that uses blue for something else
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 8, False)
         data = self.png(picture, 2)
         self.add("two channels", data, "png", read_png(data), Meaning(is_two_channel=True), ("--two-channel",))
@@ -199,7 +200,7 @@ class Generator:
             self.add("green", data, "png", read_png(data), Meaning(green=-1), ("--green", "down"))
         data = self.png(down(LARGE), 2)
         self.add("green", data, "png", read_png(data), Meaning(), ("--green", "up"), ("green was set to up",))
-        for size in ((5, 7), (8, 8)):  # too small to tell: up
+        for size in ((5, 7), (8, 8)):  # too small for statistics: read as up
             data = self.png(down((size,)), 2)
             self.add("green", data, "png", read_png(data), Meaning(), (), ("--green up or --green down",))
         picture, meaning = self.normals(bits=16)
@@ -208,7 +209,7 @@ class Generator:
         self.add("green", data, "png", read_png(data), meaning, ("--normal-scale", "0.25"))
 
     def layout(self, picture, **keys):
-        """Any that is legal for the picture."""
+        """Chooses any predictor that is legal for the picture."""
         choose = self.random.choice
         layout = Layout(order=choose("<>"), is_big=choose((False, True)), is_planar=choose((False, True)),
                         compression=choose((tiff.NONE, tiff.LZW, tiff.DEFLATE, tiff.PACKBITS, tiff.OLD_DEFLATE)))
@@ -227,7 +228,7 @@ class Generator:
                            ("float", 32), ("float", 64)):
             for i in range(9):
                 is_signed = kind == "int" or kind == "float" and i % 2 == 0
-                # Neither rows nor tiles of doubles are read, if not in planes: they are refused.
+                # Rows and tiles of doubles are refused unless they are in planes.
                 is_double = (kind, bits) == ("float", 64)
                 sizes = SIZES if not is_double else [size for size in SIZES if size[1] > 1]
                 picture, meaning = self.normals(kind, bits, sizes, is_signed)
@@ -243,7 +244,7 @@ class Generator:
                 self.add("TIFF normals", data, "tif", decoded, meaning)
 
     def tiff_depths(self):
-        """Heights of every number of bits, 0 for black or for white."""
+        """Adds heights of every bit depth, with 0 for black or for white."""
         for photometric in (tiff.BLACK_IS_ZERO, tiff.WHITE_IS_ZERO):
             for bits in (2, 4, 6, 8, 10, 12, 14, 16, 32):
                 for i in range(2):
@@ -275,7 +276,7 @@ class Generator:
             number = tiff.SAMPLE_FORMAT[kind]
             data = data.replace(format_entry, struct.pack("<HHIH", 339, 3, 1, number))
             self.add("TIFF, refused", data, "tif", refused=(f"{bits} bits", "expected"))
-        picture = scalar_picture(heights(9, 13, self.random), 9, 13, "uint", 1)  # no depth is one bit
+        picture = scalar_picture(heights(9, 13, self.random), 9, 13, "uint", 1)  # no supported depth is one bit
         self.add("TIFF, refused", write_tiff(picture, Layout(left_out=258)), "tif",
                  refused=("BitsPerSample", "expected"), options=("--bumpformat", "height"))
 
@@ -290,7 +291,7 @@ class Generator:
                 layout = self.layout(picture, photometric=tiff.PALETTE, colour_map=colour_map, is_planar=False)
                 data = write_tiff(picture, layout)
                 self.add("TIFF palettes", data, "tif", read_tiff(data), options=("--bumpformat", "normal"))
-        entries = self.few_normals(256)  # words that no 8 bits hold: what is lost is said
+        entries = self.few_normals(256)  # 16-bit values that 8 bits cannot hold: the loss is reported
         words = [min(65535, entries[i][c] * 257 + self.random.randrange(257)) for c in range(3) for i in range(256)]
         picture = Picture(9, 13, 1, "uint", 8, [self.random.randrange(256) for _ in range(9 * 13)])
         data = write_tiff(picture, Layout(photometric=tiff.PALETTE, colour_map=words))
@@ -318,7 +319,7 @@ class Generator:
                 self.add("TIFF pages", data, "tif", read_tiff(data), meaning, warns=(warning,))
 
     def tiff_strips(self):
-        """Numbers of rows in a strip that are all: left out, or the largest there is."""
+        """Adds strips that hold all rows: the number of rows is left out, or it is the largest possible."""
         for kind, bits in (("uint", 8), ("uint", 16), ("float", 32), ("float", 64)):
             for rows in (-1, 2**32 - 1, 2**31 - 1):
                 for compression in (tiff.NONE, tiff.DEFLATE):
@@ -340,7 +341,7 @@ class Generator:
                     self.add("TIFF strips", data, "tif", read_tiff(data), meaning)
                 else:
                     self.add("TIFF strips", data, "tif", refused=("64-bit", "tiles", "expected"))
-        for rows in (1, 2, 7, 12, 13):  # doubles need whole strips
+        for rows in (1, 2, 7, 12, 13):  # doubles need strips that hold all rows
             for is_planar in (False, True):
                 picture, meaning = self.normals("float", 64, ((9, 13),), True)
                 data = write_tiff(picture, Layout(rows_per_strip=rows, is_planar=is_planar))
@@ -368,10 +369,10 @@ class Generator:
                 wide = self.with_alpha(picture) if photometric == tiff.CMYK else picture
                 self.add("TIFF, refused", write_tiff(wide, Layout(photometric=photometric)), "tif",
                          refused=("PhotometricInterpretation", "expected"))
-        picture, meaning = self.normals(bits=16)  # of a camera, linear: numbers as they are
+        picture, meaning = self.normals(bits=16)  # a camera's linear numbers, read unchanged
         data = write_tiff(picture, Layout(photometric=34892))
         self.add("TIFF normals", data, "tif", read_tiff(data), meaning)
-        for count in (1, 2, 4):  # channels that are neither colour nor alpha
+        for count in (1, 2, 4):  # channels besides colour and alpha
             picture, meaning = self.normals(bits=16)
             data = write_tiff(self.with_alpha(picture, count), Layout(extra=(0,) * count))
             decoded = read_tiff(data)
@@ -429,7 +430,7 @@ class Generator:
             data = self.exr_file(picture, (name,))
             self.add("EXR names", data, "exr", exr_picture(data, (name,)), Meaning(height_scale=2),
                      ("--height-scale", "2"))
-        picture, _ = self.normals("float", 32, LARGE, False)  # brightness and colour differences
+        picture, _ = self.normals("float", 32, LARGE, False)  # luminance and chroma channels
         self.add("EXR names", self.exr_file(picture, ("Y", "RY", "BY")), "exr", refused=("BY", "expected"))
         data = self.exr_file(self.colours(3, 32, "float"), ("Y", "RY", "BY"))
         self.beside(9, 13, Beside("--albedo", data, "exr", []), kind="EXR names", refused=("BY", "expected"))
@@ -446,7 +447,7 @@ class Generator:
                 self.add("EXR parts", data, "exr", exr_picture(data, "RGB"), meaning, warns=("2 parts",))
 
     def contents(self):
-        """What normals may be besides clean: broken, short, black, below the horizon, flat."""
+        """Adds normals that need repair or care: broken, short, black, below the horizon, flat."""
         def add(picture, meaning, warns=(), options=(), name="contents", tolerance=1e-5):
             kind = "float" if picture.kind == "float" else "uint"
             data = self.exr_file(picture, "RGB", compression=3) if kind == "float" else self.png(picture, 2)
@@ -465,7 +466,7 @@ class Generator:
                        ((100, 20, 300), (3e5, 0, 1e6))):
             add(*broken(values))
         add(*broken(((NAN, 0, 1), (0, INF, 1)), fixnan="black"), options=("--fixnan", "black"))
-        picture, meaning = broken(((NAN, 0, 1),))  # two that are neighbours, in the corner
+        picture, meaning = broken(((NAN, 0, 1),))  # two neighbouring texels in the corner
         picture.samples[0:6] = [NAN] * 6
         add(picture, meaning)
         for bits in (8, 16):
@@ -521,7 +522,7 @@ class Generator:
                  options=("--bumpformat", "height", "--height-scale", "3"))
 
     def beside(self, width, height, *besides, kind="beside", **keys):
-        """A case of plain normals with other maps."""
+        """Adds a case of plain normals with other maps."""
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 16, False)
         data = self.png(picture, 2)
         self.add(kind, data, "png", read_png(data), Meaning(), beside=besides, **keys)
@@ -667,7 +668,7 @@ class Generator:
         data = self.exr_file(nan, "RGB")
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--checknan",))
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--fixnan", "none"))
-        nan.samples[0:21] = [INF] * 21  # NaN in all channels would be texels that were never written
+        nan.samples[0:21] = [INF] * 21  # NaN in all channels would mean texels that were never written
         add(self.exr_file(nan, "RGB"), "exr", "8 of 561", "expected")
         black, _ = self.normals(sizes=((33, 17),))
         black.samples[:3 * 300] = [0] * 900
@@ -700,5 +701,5 @@ class Generator:
 
 
 def generated(random):
-    """All cases: a seed gives the same bytes."""
+    """Returns all cases. Equal seeds give equal bytes."""
     return Generator(random).cases

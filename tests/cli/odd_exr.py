@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes OpenEXR files of odd layouts: windows, channels, parts, line orders, tiles; not compressed, RLE, ZIPS and ZIP.
-exr_reading reads them back."""
+"""Writes OpenEXR files of odd layouts: windows, channels, parts, line orders, tiles; uncompressed, RLE, ZIPS and ZIP.
+exr_reading reads them again."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -13,13 +13,13 @@ LINES = {0: 1, 1: 1, 2: 1, 3: 16}
 class ExrPart:
     width: int
     height: int
-    channels: dict  # name: (type, values by rows)
+    channels: dict  # name: (type, values row by row)
     origin: tuple = (0, 0)
     display: tuple = ()  # left, top, right, bottom; (): the data window
     compression: int = 0
     decreasing: bool = False
     tile: int = 0
-    more: list = field(default_factory=list)  # (name, type, bytes) of further attributes
+    more: list = field(default_factory=list)  # (name, type, bytes) of additional attributes
 
 
 def run_lengths(data):
@@ -97,7 +97,7 @@ def header_of(part, name, chunk_count):
 
 
 def write_exr(parts):
-    """Of one part a plain file, else one of several."""
+    """Writes one part as a plain file, and several parts as a multi-part file."""
     is_multi = len(parts) > 1
     chunks = [list(chunks_of(part)) for part in parts]
     version = 2 | (0x1000 if is_multi else 0x200 if parts[0].tile else 0)
@@ -109,7 +109,7 @@ def write_exr(parts):
     for i, part in enumerate(parts):
         offsets = {}
         order = reversed(range(len(chunks[i]))) if part.decreasing else range(len(chunks[i]))
-        for k in order:  # as they lie in the file; the table is by rows
+        for k in order:  # in file order; the table is by rows
             offsets[k] = at + len(body)
             body += (struct.pack("<i", i) if is_multi else b"") + chunks[i][k]
         table += b"".join(struct.pack("<Q", offsets[k]) for k in sorted(offsets))

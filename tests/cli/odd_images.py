@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures as numbers, and PNG: a writer of every colour type, depth, filter and interlacing, and a decoder of its own
-(W3C PNG). Nothing is shared between the two but the tables of the standard."""
+"""Pictures as numbers, and PNG: a writer of every colour type, depth, filter and interlacing, and a separate decoder
+(W3C PNG). The two share only the tables of the standard."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -8,31 +8,31 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Picture:
-    """Numbers as a file has them: interleaved, rows from the top."""
+    """Numbers as in a file: interleaved, rows from the top."""
     width: int
     height: int
     channels: int
     kind: str  # "uint", "int" or "float"
     bits: int
     samples: list = field(repr=False)
-    colours: int = 0  # leading channels that are no alpha; 0: all
+    colours: int = 0  # leading channels without alpha; 0: all
 
     def values(self):
-        """Unsigned integers as 0..1, signed ones as -1..1, floats as they are."""
+        """Unsigned integers as 0..1, signed ones as -1..1, floats unchanged."""
         if self.kind == "float":
             return list(self.samples)
         largest = 2**(self.bits if self.kind == "uint" else self.bits - 1) - 1
         return [sample / largest for sample in self.samples]
 
     def texels(self, count=None):
-        """[texel][channel] of the first `count` channels, by default those that are no alpha."""
+        """[texel][channel] of the first `count` channels; by default, of all channels except alpha."""
         values, n = self.values(), self.channels
         count = count or self.colours or n
         return [values[i:i + count] for i in range(0, len(values), n)]
 
 
 def pack_bits(samples, bits):
-    """One row, the first sample in the highest bits; multiples of 8 bits are big-endian."""
+    """Packs one row, with the first sample in the highest bits. Multiples of 8 bits are big-endian."""
     number = 0
     for sample in samples:
         number = number << bits | sample
@@ -55,7 +55,8 @@ def png_chunk(kind, body):
 
 
 def paeth(a, b, c):
-    """W3C PNG, 9.4: the neighbour that is nearest to a + b - c; left before above before upper left."""
+    """Paeth predictor, W3C PNG, 9.4: the neighbour closest to a + b - c; ties go to left, then above, then upper
+    left."""
     p = a + b - c
     return min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
 
@@ -75,7 +76,7 @@ def filtered_rows(rows, step, random):
 
 
 def passes_of(width, height, is_interlaced):
-    """Of each pass the columns and rows that it has."""
+    """Yields the columns and rows of each pass."""
     passes = PASSES if is_interlaced else ((0, 0, 1, 1),)
     for x, y, dx, dy in passes:
         columns, rows = range(x, width, dx), range(y, height, dy)
@@ -85,7 +86,7 @@ def passes_of(width, height, is_interlaced):
 
 def write_png(width, height, colour_type, depth, samples, random, palette=None, transparent=None, chunks=(),
               interlace=False):
-    """`samples`: interleaved codes, of palettes indices. `chunks`: (kind, body) between header and palette."""
+    """`samples`: interleaved codes; for palettes, indices. `chunks`: (kind, body) between header and palette."""
     n = CHANNELS[colour_type]
     data = b""
     for columns, rows in passes_of(width, height, interlace):
@@ -98,12 +99,12 @@ def write_png(width, height, colour_type, depth, samples, random, palette=None, 
     if transparent is not None:
         png += png_chunk(b"tRNS", transparent)
     packed = zlib.compress(data)
-    cut = random.randrange(1, len(packed))  # the data may lie in several chunks
+    cut = random.randrange(1, len(packed))  # the data may be split into several chunks
     return png + png_chunk(b"IDAT", packed[:cut]) + png_chunk(b"IDAT", packed[cut:]) + png_chunk(b"IEND", b"")
 
 
 def read_png(data):
-    """The picture with palettes looked up; transparency is left out, an alpha channel is there."""
+    """Returns the picture with palettes looked up. tRNS transparency is ignored; an alpha channel is kept."""
     assert data[:8] == SIGNATURE
     position, chunks = 8, {}
     while position < len(data):

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Bakes some 570 odd inputs and compares level 0 with an independent decoding, texel by texel. What must be refused or
-warned of is, and the message says why.
+"""Bakes about 570 odd inputs and compares level 0 with an independent decoding, texel by texel. Inputs that need a
+refusal or a warning must get it, and the message must say why.
 
   odd_inputs_test.py MULTUM [--seed N] [--only WORD] [--keep FOLDER]
 
-Nothing of multum is used to read. Pictures are decoded by odd_images, odd_tiff and exr_reading (the formats' rules)
-and turned into normals by odd_maps (the rules of docs/reference/input_maps.md); exr_reading reads baked files
-(docs/reference/file_format.md).
-Most are baked as moments of floats, which hold level 0 as it was read; some as lobes.
+No code of multum decodes the pictures: odd_images, odd_tiff and exr_reading decode them by the rules of the formats,
+and odd_maps turns them into normals by the rules of docs/reference/input_maps.md. exr_reading also reads baked files
+(docs/reference/file_format.md). Most inputs are baked as moments of floats, which hold level 0 unchanged; some are
+baked as lobes.
 """
 import argparse
 import collections
@@ -24,7 +24,7 @@ from odd_cases import generated
 from odd_maps import mean_cosine, normals_of
 
 WORKERS = 2
-BATCH = 16  # maps of a command: most of the time of one map would be the start of a process and of OpenCL
+BATCH = 16  # maps per command: for a single map, starting the process and OpenCL would take most of the time
 INPUT_REFUSED = 3  # exit code, docs/reference/commands.md
 COMPRESSIONS = ("none", "rle", "zips", "zip:1")
 
@@ -37,21 +37,21 @@ class Run:
         return os.path.join(self.folder, name)
 
     def write(self, number, case):
-        """The files of a case: NUMBER.EXTENSION, and those beside it."""
+        """Returns the files of a case: NUMBER.EXTENSION, and its accompanying maps."""
         case.file = f"{number:03}.{case.extension}"
         case.output = self.path(os.path.join("out", f"{number:03}.ndf.exr"))
         files = [(case.file, case.data)]
         case.arguments = list(case.options)
-        for i, beside in enumerate(case.beside):
-            name = f"{number:03}_beside{i}.{beside.extension}"
-            files.append((name, beside.data))
-            case.arguments += [beside.option, self.path(name) + (":" + beside.channel if beside.channel else "")]
+        for i, more in enumerate(case.beside):
+            name = f"{number:03}_more{i}.{more.extension}"
+            files.append((name, more.data))
+            case.arguments += [more.option, self.path(name) + (":" + more.channel if more.channel else "")]
         for name, data in files:
             with open(self.path(name), "wb") as file:
                 file.write(data)
 
     def bake(self, cases, arguments, output):
-        """Exit code and stderr of one command for all of them."""
+        """Runs one command for all of them. Returns its exit code and stderr."""
         first = cases[0]
         kind = [] if first.movmf else ["--ndf", "moments"]
         if "-d" not in arguments and not first.movmf:
@@ -63,7 +63,8 @@ class Run:
         return result.returncode, result.stderr
 
     def commands(self, cases):
-        """Lists of cases that one command bakes. What is refused is baked alone: its exit code says so."""
+        """Groups cases that one command bakes. A case that must be refused is baked in its own command, for its exit
+        code."""
         alike, alone = collections.defaultdict(list), []
         for case in cases:
             if case.refused or case.beside:
@@ -86,7 +87,7 @@ def difference(found, expected):
 
 
 def held_difference(case):
-    """The largest difference of a texel's normals, colours and weights from those expected."""
+    """Returns the largest difference of a texel's normals, colours and weights from the expected ones."""
     with open(case.output, "rb") as file:
         baked = Baked(file.read())
     assert (baked.width, baked.height) == (case.picture.width, case.picture.height), "size"
@@ -102,7 +103,7 @@ def held_difference(case):
 
 
 def verdict(case):
-    """("held" or "refused", worst difference, what is wrong or "")."""
+    """Returns ("held" or "refused", worst difference, the error text or "")."""
     is_there = os.path.exists(case.output)
     messages = [line for line in case.lines if "warning: " not in line and line.startswith("multum: ")]
     if case.refused:
@@ -123,7 +124,7 @@ def verdict(case):
     wrong = [f"no warning has '{words}'" for words in case.warns
              if not any("warning: " in line and words in line for line in case.lines)]
     if not worst <= case.tolerance:
-        wrong.append(f"differs by {worst:.3g}, at most {case.tolerance:g}")
+        wrong.append(f"differs by {worst:.3g}, expected at most {case.tolerance:g}")
     return "warned" if case.warns else "held", worst, "; ".join(wrong)
 
 
@@ -131,8 +132,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("--seed", type=int, default=320)
-    parser.add_argument("--only", default="", help="kinds that have this word in their names")
-    parser.add_argument("--keep", help="write inputs and results into this folder, and leave them there")
+    parser.add_argument("--only", default="", help="run only kinds whose names contain this word")
+    parser.add_argument("--keep", help="keep inputs and results in this folder")
     arguments = parser.parse_args()
     print(f"seed {arguments.seed}")
     cases = generated(random.Random(arguments.seed))
@@ -149,7 +150,7 @@ def main():
 
 
 def report(cases):
-    """Prints a line for each kind and for each case that is wrong; how many are."""
+    """Prints a line for each kind and for each wrong case. Returns the number of wrong cases."""
     kinds = collections.defaultdict(lambda: [0, 0, 0, 0.0])
     failed = 0
     for case in cases:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the odd maps hold, and what docs/reference/input_maps.md says that it stands for: normals of surfaces and
-heights as numbers
-of any type, and back again to unit normals. Not one formula comes from the program."""
+"""The contents of the odd maps and their meaning by docs/reference/input_maps.md: converts normals of surfaces and
+heights to numbers of any type, and back to unit normals. It shares no formula with the program."""
 import math
 import struct
 from dataclasses import dataclass
@@ -28,7 +27,8 @@ def heights(width, height, random):
 
 
 def surface(width, height, random, steepness=0.4):
-    """Unit normals of such a surface, +Y up, of this rms slope. Of rows and single texels slightly tilted ones."""
+    """Unit normals of such a surface, +Y up, with this rms slope. Single rows and texels get slightly tilted
+    normals."""
     if min(width, height) < 3:
         tilts = [(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25)) for _ in range(width * height)]
         return [unit((x, y, 1.0)) for x, y in tilts]
@@ -45,7 +45,7 @@ def surface(width, height, random, steepness=0.4):
 
 
 def rounded(value, kind, bits):
-    """A value of 0..1 or -1..1 as a file's number."""
+    """Converts a value of 0..1 or -1..1 to a file's number."""
     if kind == "float":
         return struct.unpack({16: "<e", 32: "<f", 64: "<d"}[bits], struct.pack({16: "<e", 32: "<f", 64: "<d"}[bits],
                                                                               value))[0]
@@ -53,7 +53,7 @@ def rounded(value, kind, bits):
 
 
 def picture_of(vectors, width, height, kind, bits, is_signed):
-    """Vectors as numbers, 0..1 unless signed."""
+    """Converts vectors to numbers, 0..1 unless signed."""
     samples = [rounded(c if is_signed else c / 2 + 0.5, kind, bits) for v in vectors for c in v]
     return Picture(width, height, len(vectors[0]), kind, bits, samples)
 
@@ -64,7 +64,7 @@ def scalar_picture(values, width, height, kind, bits):
 
 @dataclass
 class Meaning:
-    """What numbers stand for, as docs/reference/input_maps.md has it."""
+    """Decodes numbers by docs/reference/input_maps.md."""
     height_scale: float = 0.0  # above 0: heights
     is_signed: bool = False
     is_two_channel: bool = False
@@ -75,7 +75,7 @@ class Meaning:
 
 
 def is_number(v):
-    return abs(v) <= 1e9  # false of NaN
+    return abs(v) <= 1e9  # false for NaN
 
 
 def around(width, height, texel):
@@ -95,7 +95,7 @@ def above_horizon(v):
 
 
 def normals_of(picture, meaning):
-    """The map's normals, [texel] of (x, y, z)."""
+    """Returns the map's normals, [texel] of (x, y, z)."""
     return heights_to_normals(picture, meaning) if meaning.height_scale else vectors_to_normals(picture, meaning)
 
 
@@ -142,13 +142,14 @@ def heights_to_normals(picture, meaning):
             values[i] = sum(near) / len(near) if near and meaning.fixnan == "box3" else 0.0
 
     def beyond(place, size, mode):
-        """Place of a neighbour, None where the surface has ended (clamp, mirror), "black" where it is 0."""
+        """Returns a neighbour's position, None beyond the surface's end (clamp, mirror), or "black" where the value is
+        0."""
         if 0 <= place < size:
             return place
         return {"periodic": place % size, "black": "black"}.get(mode)
 
     def slope(i, place, size, mode, step):
-        """Of the two neighbours along one direction, or of the one that is there."""
+        """Returns the slope from the two neighbours along one direction, or from the only one that exists."""
         def height(other):
             found = beyond(other, size, mode)
             if found is None:
@@ -173,7 +174,7 @@ def linear_from_srgb(v):
 
 
 def colours_of(picture, transfer):
-    """[texel] of linear (r, g, b); what holds no reflectance is 0."""
+    """[texel] of linear (r, g, b); values that are not a reflectance become 0."""
     def linear(v):
         return transfer(v) if math.isfinite(v) and v >= 0.0 else 0.0
 
@@ -182,6 +183,6 @@ def colours_of(picture, transfer):
 
 
 def mean_cosine(roughness):
-    """docs/reference/file_format.md, "Roughness and weights": how much shorter a normal is with its texel's
-    roughness."""
+    """Implements docs/reference/file_format.md, "Roughness and weights": how much a texel's roughness shortens its
+    normal."""
     return 1.0 - roughness**4 / 2

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TIFF of every layout: a writer and a decoder of its own (TIFF 6.0; BigTIFF; Adobe's TIFF Technical Note 3 for
-predictor 3). Of codes that are compressed, LZW is the one that both of them write out."""
+"""TIFF of every layout: a writer and a separate decoder (TIFF 6.0; BigTIFF; Adobe's TIFF Technical Note 3 for
+predictor 3). LZW is the only compression that both implement themselves."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -19,12 +19,12 @@ class Layout:
     is_big: bool = False  # BigTIFF
     is_planar: bool = False
     tile: tuple = ()  # width, height
-    rows_per_strip: int = 0  # 0: one strip; -1: the tag is left out
+    rows_per_strip: int = 0  # 0: one strip; -1: omits the tag
     compression: int = NONE
     predictor: int = 1
-    photometric: int = -1  # by the channels
-    extra: tuple = ()  # 0 unspecified, 1 associated alpha, 2 alpha
-    colour_map: list = field(default_factory=list)  # words: all red, all green, all blue
+    photometric: int = -1  # default: from the number of channels
+    extra: tuple = ()  # 0: unspecified, 1: associated alpha, 2: unassociated alpha
+    colour_map: list = field(default_factory=list)  # 16-bit words: all red, all green, all blue
     orientation: int = 0
     subfile: int = -1
     more_pages: int = 0
@@ -32,7 +32,7 @@ class Layout:
 
 
 def lzw_encoded(data):
-    """TIFF 6.0, section 13: codes of 9 to 12 bits, from the highest bit, one code longer one code early."""
+    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first; the code length grows one code early."""
     codes, table, size, text = [(256, 9)], {bytes([i]): i for i in range(256)}, 258, b""
     width = 9
     for byte in data:
@@ -107,17 +107,17 @@ def packbits_decoded(data):
 
 
 def float_row(numbers, bits):
-    """Numbers of floats as unsigned integers."""
+    """Returns the bits of floats as unsigned integers."""
     return [int.from_bytes(struct.pack(">" + FLOATS[bits], number), "big") for number in numbers]
 
 
 def encoded_row(samples, picture, layout, step):
-    """Bytes of one row of a block. `step`: samples of a texel in it."""
+    """Returns the bytes of one row of a block. `step`: samples per texel in the row."""
     bits = picture.bits
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:
         codes = [(code - (codes[i - step] if i >= step else 0)) % (1 << bits) for i, code in enumerate(codes)]
-    if layout.predictor == 3:  # the highest bytes of all, then the next; then differences of bytes
+    if layout.predictor == 3:  # the highest bytes of all samples, then the next ones; then differences of bytes
         planes = b"".join(bytes(code >> bits - 8 - 8 * k & 255 for code in codes) for k in range(bits // 8))
         return bytes(byte - (planes[i - step] if i >= step else 0) & 255 for i, byte in enumerate(planes))
     if bits % 8 == 0:
@@ -137,7 +137,7 @@ def block_size(picture, layout):
 
 
 def blocks_of(picture, layout):
-    """Strips or tiles, plane by plane, each compressed. What a tile has beyond the picture are odd numbers."""
+    """Strips or tiles, plane by plane, each compressed. Tiles hold arbitrary numbers beyond the picture's edge."""
     width, height = block_size(picture, layout)
     n = picture.channels
     for plane in range(n) if layout.is_planar else (None,):
@@ -151,7 +151,7 @@ def blocks_of(picture, layout):
                     line = [picture.samples[(y * picture.width + x) * n + c] if inside and x < picture.width else 77
                             for x in range(left, left + width) for c in channels]
                     lines.append(encoded_row(line, picture, layout, len(channels)))
-                if layout.compression == PACKBITS:  # each row by itself
+                if layout.compression == PACKBITS:  # compresses each row separately
                     yield b"".join(packbits_encoded(line) for line in lines)
                 else:
                     yield compressed(b"".join(lines), layout.compression)
@@ -198,7 +198,7 @@ def write_tiff(picture, layout):
 
 
 def add_directory(out, order, word, tags, link):
-    """Appends a directory and makes the link before name it; returns where its own link is."""
+    """Appends a directory and points the previous link to it. Returns the position of its own link."""
     letters = {1: "B", 3: "H", 4: "I", 12: "d", 16: "Q"}
     entries = b""
     for tag, kind, numbers in sorted(tags):
@@ -259,7 +259,8 @@ def expanded(data, compression):
 
 
 def read_tiff(data):
-    """The first page: colour maps looked up (v of v * 256 or v * 257), 0 for white turned round."""
+    """Decodes the first page. Looks up colour maps (v from v * 256 or v * 257) and inverts pictures with 0 for
+    white."""
     order = "<" if data[:2] == b"II" else ">"
     is_big = struct.unpack_from(order + "H", data, 2)[0] == 43
     tags = read_directory(data, order, is_big)
@@ -299,7 +300,7 @@ def read_tiff(data):
 
 
 def layout_text(data):
-    """The first tags of a whole file, for messages."""
+    """Returns the first tags of a whole file, for messages."""
     order = "<" if data[:2] == b"II" else ">"
     is_big = struct.unpack_from(order + "H", data, 2)[0] == 43
     try:

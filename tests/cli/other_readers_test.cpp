@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads files as strangers do: with OpenImageIO's oiiotool, and with the Python files of docs/reference.
+// Reads files by independent programs: OpenImageIO's oiiotool, and the Python files of docs/reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class OtherReadersTest : public CliTest {
     const ProgramResult result = multum(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
-  // The colours again, as roughness and as three weights.
+  // Uses the colours also as roughness and as three weights.
   void append_materials(std::vector<std::string>& options) const {
     options.insert(options.end(), {"--roughness", path("map_albedo.png") + ":G", "--weights", path("map_albedo.png")});
   }
@@ -102,8 +102,9 @@ std::string python_of_format_page() {
          "/docs/reference\")\nfrom read_baked import *\nfrom read_inferred import *\n";
 }
 
-// Runs them on each file of the command line, given with its output, its first level and its number of levels; writes
-// amplitudes, mean vectors and colours of every level as 32-bit floats; says what comes of asking for a finer level.
+// Reads each file of the command line, which is given with its output, its first level and its number of levels. Writes
+// amplitudes, mean vectors and colours of every level as 32-bit floats, and prints the result of asking for a finer
+// level.
 constexpr char kDriver[] = R"(
 import sys
 for path, output, first_level, levels in zip(*[iter(sys.argv[1:])] * 4):
@@ -133,7 +134,7 @@ class FloatStream {
   std::size_t at_ = 0;
 };
 
-// What a level's arrays of read_lobes() must hold, from the lobes that host/formats/asset reads.
+// Compares a level's arrays of read_lobes() with the lobes that host/formats/asset reads.
 void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStream& python) {
   const bool is_half = header.header.encoding == StorageEncoding::kHalf,
              planar = header.header.representation == Representation::kGmm;
@@ -152,7 +153,7 @@ void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStrea
       glm::dvec3 mean = stored.w > 0.0 ? glm::dvec3(stored) / stored.w : glm::dvec3(0.0);
       if (planar) mean.z = static_cast<double>(gmm_variance(level.lobes[j][i]));
       else mean /= std::max(1.0, glm::length(mean));
-      // The page divides by 1e-20 at least: a share below that, which only floats can store, shows nowhere.
+      // The page's code divides by at least 1e-20; a smaller share, which only floats can store, is invisible.
       for (int c = 0; c < 3; ++c) {
         const auto found = static_cast<double>(python.next());
         if (stored.w > 0.0 && stored.w <= 1e-20) continue;
@@ -220,7 +221,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsWhatWeRead) {
   }
 }
 
-// Of a file of moments, the arrays of every level.
+// Writes the arrays of every level of a file of moments.
 constexpr char kMomentDriver[] = R"(
 import sys
 path, output, first_level, levels = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
@@ -259,7 +260,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageReadsMoments) {
   }
 }
 
-// Of a file of spherical harmonics, coefficients, colours and weights of every level.
+// Writes coefficients, colours and weights of every level of a file of spherical harmonics.
 constexpr char kHarmonicsDriver[] = R"(
 import sys
 path, output, levels = sys.argv[1], sys.argv[2], int(sys.argv[3])
@@ -313,7 +314,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsThePartsAndAttributesOfMoments) {
   EXPECT_EQ(count_of("multum:measuredError: \"[[", info.out), 1);
 }
 
-// Reads a filter matrix and a texture; writes the lists as they come, and A x.
+// Reads a filter matrix and a texture. Writes the lists in stored order, and A x.
 constexpr char kMatrixDriver[] = R"(
 import sys
 matrix = read_filter_matrix(sys.argv[1])
@@ -324,7 +325,7 @@ with open(sys.argv[3], "wb") as out:
 print(json.dumps(sorted(matrix[0])))
 )";
 
-// 3 pixels of 3 x 2; the texture of 3 x 2 has 7 texels.
+// Returns a matrix of 3 pixels out of 3 x 2; the texture of 3 x 2 has 7 texels.
 FilterMatrix three_pixels() {
   FilterMatrix matrix;
   matrix.width = 3;

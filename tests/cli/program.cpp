@@ -35,7 +35,7 @@ const std::regex kOptionName("--[a-z][a-z0-9-]*[a-z0-9]");
   _exit(127);
 }
 
-// What is written to stdout or stderr goes to a file instead.
+// Redirects stdout or stderr to a file.
 class Redirection {
  public:
   Redirection(std::FILE* stream, const std::string& path) : stream_(stream) {
@@ -127,7 +127,7 @@ ProgramResult run_on_terminal(const std::vector<std::string>& arguments) {
     return result;
   }
   std::array<char, 4096> buffer;
-  for (;;) {  // Linux ends it with EIO when the program is gone
+  for (;;) {  // Linux ends the loop with EIO when the program has ended
     const ssize_t count = read(terminal, buffer.data(), buffer.size());
     if (count > 0) result.out.append(buffer.data(), static_cast<std::size_t>(count));
     else if (count == 0 || errno != EINTR) break;
@@ -161,8 +161,8 @@ std::vector<std::string> CliTest::multum_command(std::vector<std::string> argume
 
 namespace {
 
-// All tests' messages are held to two rules. A warning begins with what it is about: a file, or a library. A message
-// names options of the command that was run; another program's or command's are named behind it.
+// All tests check messages against two rules. A warning begins with its subject: a file, or a library. A message names
+// only options of the command that was run; options of another program or command follow its name.
 const std::set<std::string>& options_in_help(const std::string& command) {
   static std::map<std::string, std::set<std::string>> known;
   const auto [place, is_new] = known.emplace(command, std::set<std::string>());
@@ -178,7 +178,7 @@ void check_message(const std::vector<std::string>& arguments, const std::string&
   if (line.starts_with("warning: ")) {
     const std::string subject = line.substr(9, line.find(": ", 9) - 9);
     EXPECT_TRUE(subject.find_first_of("/.") != std::string::npos || subject == "OpenCL" || subject == "GL")
-        << "a warning that names no file: " << line;
+        << "this warning names no file: " << line;
   }
   std::string given;
   for (const std::string& argument : arguments) given += argument + " ";
@@ -216,7 +216,7 @@ ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
   ProgramResult result;
   {
     const Redirection out(stdout, folder / "out"), err(stderr, folder / "err");
-    set_log_level(LogLevel::kNormal);  // the command before may have been a quiet one
+    set_log_level(LogLevel::kNormal);  // the previous command may have used --quiet
     result.exit_code = run_guarded("multum", run_command, static_cast<int>(argv.size()), argv.data());
   }
   result.out = read_bytes(folder / "out");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs run as a user runs them: stdout and stderr apart, on a terminal or not, with signals sent while they run.
+// Runs programs as a user does: separate stdout and stderr, on a terminal or not, with signals sent while they run.
 #pragma once
 
 #include <sys/types.h>
@@ -13,12 +13,12 @@
 namespace multum::testing {
 
 struct ProgramResult {
-  int exit_code = -1;  // -1 when a signal ended it
-  int signal = 0;      // 0 when it exited
+  int exit_code = -1;  // -1 if a signal ended the program
+  int signal = 0;      // 0 if the program exited
   std::string out, err;
 };
 
-/// A program while it runs; killed when the test leaves it running.
+/// A running program. The destructor kills it if it still runs.
 class Program {
  public:
   explicit Program(const std::vector<std::string>& arguments);
@@ -28,56 +28,56 @@ class Program {
 
   pid_t pid() const { return pid_; }
   void send(int signal) const;
-  /// What it has written to stderr so far.
+  /// Returns what the program has written to stderr so far.
   std::string err_so_far() const;
   bool running();
   ProgramResult wait();
 
  private:
   void remember(int status);
-  TemporaryFolder folder_;  // of its stdout and stderr: files never fill up and block it, as pipes do
+  TemporaryFolder folder_;  // stdout and stderr go to files, which never fill up and block as pipes do
   pid_t pid_ = -1;
   bool ended_ = false;
   ProgramResult result_;
 };
 
 ProgramResult run_program(const std::vector<std::string>& arguments);
-/// False where the system has no pseudo terminals, as in a root without /dev/pts.
+/// Returns false if the system has no pseudo terminals, as in a root folder without /dev/pts.
 bool has_pseudo_terminals();
 
-/// The same with a terminal of its own for stdin, stdout and stderr; all output is in `out`.
+/// Runs a program with its own terminal for stdin, stdout and stderr; all output is in `out`.
 ProgramResult run_on_terminal(const std::vector<std::string>& arguments);
 
-/// True when `program` answers to `argument` with exit code 0.
+/// Returns whether `program` run with `argument` exits with code 0.
 bool program_works(const std::string& program, const std::string& argument);
 
-/// Debian's Chromium; empty: there is none.
+/// Returns the path of Debian's Chromium, or "" if it is not installed.
 std::string chromium_path();
 
 /// Exit codes (host/foundation/base/error.h).
 inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
 
-/// It ended with `exit_code`, and stderr says all of `parts`.
+/// Expects that the program ended with `exit_code`, and that stderr contains all of `parts`.
 inline void expect_refusal(const ProgramResult& result, int exit_code, const std::vector<std::string>& parts) {
   EXPECT_EQ(result.exit_code, exit_code) << result.out << result.err;
   expect_says(result.err, parts);
 }
 
-/// Tests of `multum`: a folder, and commands in it. The programs that they build are kept in the build folder, by all
-/// tests in one place.
+/// Tests of `multum`: a folder, and commands in it. All tests share one cache of built programs in the build folder.
 class CliTest : public ::testing::Test {
  protected:
   CliTest();
   static std::vector<std::string> multum_command(std::vector<std::string> arguments);
-  /// A command in this process, by the function that main() calls: OpenCL and the child that decodes images are there
-  /// already, as in a worker of the service. One with --threads is a program of its own, since a process keeps the
-  /// threads that it began with.
+  /// Runs a command in this process by the function that main() calls. As in a worker of the service, OpenCL and the
+  /// decoding child are already initialized. A command with --threads runs as a program of its own, because a process
+  /// keeps its first number of threads.
   static ProgramResult multum(const std::vector<std::string>& arguments);
-  /// Whether this build of multum has it: it may lack a part (tools/command_line/absent_commands.h).
+  /// Returns whether this build of multum has the command; a build may lack parts
+  /// (tools/command_line/absent_commands.h).
   static bool has_command(const std::string& name);
-  /// The program itself.
+  /// Runs the program multum in its own process.
   static ProgramResult multum_program(const std::vector<std::string>& arguments);
-  /// PREFIX_normal.png and PREFIX_albedo.png of the four-quarter map, in the folder.
+  /// Writes PREFIX_normal.png and PREFIX_albedo.png of the four-quarter map into the folder.
   void make_map(const std::string& prefix, int size);
   std::string path(const std::string& name) const { return folder_ / name; }
 

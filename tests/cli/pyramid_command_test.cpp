@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum mip, reflectance, lod, materials: their files as other programs read them, what is recognised, what is
-// refused.
+// multum mip, reflectance, lod and materials: their files as other programs read them, recognised changes, and
+// refusals.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ class PyramidCommandTest : public CliTest {
     expect_refusal(multum(arguments), code, parts);
     EXPECT_EQ(folder_.names().count("out.exr"), 0u);
   }
-  /// A ramp of codes, 11 x 6, as a PNG.
+  /// Writes a ramp of codes, 11 x 6, as a PNG.
   TestImage ramp() const {
     TestImage image{.width = 11, .height = 6, .channels = 3};
     for (int i = 0; i < 11 * 6 * 3; ++i) image.values.push_back(static_cast<float>((i * 37) % 256) / 255.0f);
@@ -32,7 +32,7 @@ class PyramidCommandTest : public CliTest {
   void write(const std::string& name, const TestImage& image) const { write_test_image(path(name), image); }
 };
 
-// OpenImageIO sees a texture: every level, linear, with its wrap modes; the last texel is the mean of light.
+// OpenImageIO reads every level, linear, with the wrap modes. The last texel is the mean in linear light.
 TEST_F(PyramidCommandTest, OpenImageIoReadsTheLevels) {
   write("a.png", ramp());
   const ProgramResult result =
@@ -119,12 +119,12 @@ TEST_F(PyramidCommandTest, RefusesWhatCannotBe) {
   expect_refused({"reflectance", "-o", out, "--environment", path("none.exr")}, kInput, {"none.exr"});
 }
 
-// A pyramid is no baked map and says so; a damaged one is found out.
+// A pyramid is refused as a baked map with a clear message, and damage is found.
 TEST_F(PyramidCommandTest, DamageShows) {
   write("a.png", ramp());
   ASSERT_EQ(multum({"mip", path("a.png"), "-o", path("b.exr"), "--compression", "none"}).exit_code, 0);
   std::string bytes = read_bytes(path("b.exr"));
-  for (std::size_t i = 1; i < 60; ++i) bytes[bytes.size() - i] ^= 0x11;  // the coarsest levels' pixels
+  for (std::size_t i = 1; i < 60; ++i) bytes[bytes.size() - i] ^= 0x11;  // pixels of the coarsest levels
   write_bytes(path("c.exr"), bytes);
   const ProgramResult result = multum({"verify", path("c.exr")});
   EXPECT_NE(result.exit_code, 0) << result.out;
@@ -158,7 +158,7 @@ TEST_F(PyramidCommandTest, ReflectanceRemembersItsLights) {
   EXPECT_NE(multum(command).out.find("unchanged"), std::string::npos);
 }
 
-// Two materials with normal maps: one in the file, one beside it, scaled.
+// A model of two materials with normal maps: one is embedded, the other is a separate file and scaled.
 std::string model(const std::string& more) {
   return R"({"asset":{"version":"2.0"},"materials":[)"
          R"({"name":"steel","normalTexture":{"index":0,"scale":0.5},"pbrMetallicRoughness":{"metallicFactor":0.25}},)"

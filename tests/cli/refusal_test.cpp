@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that multum refuses: the exit code and the message say why, and nothing is left behind or overwritten.
+// Everything that multum refuses: exit code and message say why, and no file is left behind or overwritten.
 #include <sys/resource.h>
 
 #include <limits>
@@ -19,8 +19,8 @@ class RefusalTest : public CliTest {
     make_map("map", 64);
   }
 
-  // Bakes `input` with `options`, once into an empty folder and once over an older file. Both must be refused in the
-  // same way: with `code`, and `parts` on stderr.
+  // Bakes `input` with `options`, once into an empty folder and once over an older file. Both bakes must be refused in
+  // the same way: with `code`, and with `parts` on stderr.
   void expect_refused(const std::string& input, const std::vector<std::string>& options, int code,
                       const std::vector<std::string>& parts) {
     const std::string output = path("out/map.ndf.exr"), older = "an older file";
@@ -145,7 +145,7 @@ TEST_F(RefusalTest, OutputsThatCannotBe) {
   std::filesystem::create_directory(path("out/folder.exr"));
   expect_failure(bake(path("out/folder.exr")), kUsage, {"folder.exr", "a folder"});
   std::filesystem::remove(path("out/folder.exr"));
-  // Nobody writes here, root neither.
+  // Nobody can write here, not even root.
   expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "created"});
   expect_failure(multum({"bake", map, "-o", path("out/map.exr"), "--report", path("none/r.json")}), kEnvironment,
                  {"none/r.json", "not exist"});
@@ -158,9 +158,9 @@ TEST_F(RefusalTest, OutputsThatCannotBe) {
 TEST_F(RefusalTest, AFullDiskLeavesTheOlderFile) {
   const std::string output = path("out/map.ndf.exr");
   std::vector<std::string> command = multum_command({"bake", path("map_normal.png"), "-o", output, "--quiet"});
-  ASSERT_EQ(run_program(command).exit_code, 0);  // compilers write files too, PoCL whenever a program is not in a file
+  ASSERT_EQ(run_program(command).exit_code, 0);  // builds kernels: compilers write files too
   write_bytes(output, "an older file");
-  // A limit on file sizes stands for the full disk: write() fails, in the middle of the file.
+  // A limit on file sizes simulates the full disk: write() fails in the middle of the file.
   command.insert(command.begin(), {"bash", "-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "bash"});
   expect_failure(run_program(command), kEnvironment, {"map.ndf.exr", "writing"});
   EXPECT_EQ(out_names(), std::set<std::string>{"map.ndf.exr"});
@@ -189,7 +189,7 @@ TEST_F(RefusalTest, DamagedBakedFiles) {
   expect_failure(verify, kVerification, {"bad.ndf.exr", "verification"});
   EXPECT_NE(verify.out.find("FAILED checksum   found "), std::string::npos) << verify.out;
 
-  // kappaMax is 20000, behind its name, type and size.
+  // kappaMax is 20000; the value follows its name, type and size.
   std::string less_sharp = whole;
   const std::string name("multum:kappaMax\0float\0\4\0\0\0", 26);
   const std::size_t kappa_at = whole.find(name);
@@ -227,7 +227,7 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
   std::mt19937 random(seed);
   SCOPED_TRACE("seed " + std::to_string(seed));
   for (int i = 0; i < 30; ++i) {
-    // Half of them in the headers, which are a small part of the file.
+    // Half of the changes are in the headers, which are a small part of the file.
     const std::size_t at = random() % (i % 2 == 0 ? 12000 : whole.size());
     std::string flipped = whole;
     flipped[at] = static_cast<char>(flipped[at] ^ (1 << random() % 8));
@@ -240,7 +240,7 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
   }
 }
 
-// A key of 32,000 parts is 64 KB; the parser took a stack frame for each and ended the program by a signal.
+// A key of 32,000 parts has 64 KB. The parser used a stack frame for each part, and a signal ended the program.
 TEST_F(RefusalTest, TomlFilesBeyondTheLimits) {
   std::string key = "a";
   for (int i = 1; i < 32'000; ++i) key += ".a";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes that go on: after a kill, with --resume, and after an edit, with --region and --onto.
+// Bakes that continue: after a kill, with --resume, and after an edit, with --region and --onto.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -31,7 +31,7 @@ class ResumeTest : public CliTest {
     return multum_command(arguments);
   }
   std::string partial() const { return path(".multum-partial-map.ndf.exr"); }
-  // Records of rows that are done, and where their rows begin in the file.
+  // Records of finished rows, and the offset of their rows in the file.
   struct Kept {
     RowBlock rows;
     std::uint64_t begin;
@@ -53,18 +53,18 @@ class ResumeTest : public CliTest {
       if (kept.rows.level == level) return true;
     return false;
   }
-  // Until some rows of a level are done.
+  // Waits until some rows of a level are done.
   static void wait_for_rows(Program& bake, const std::string& partial, int level) {
     while (bake.running() && !has_rows(partial, level)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  // Kills a bake when it fits the finest level.
+  // Kills a bake while it fits the finest level.
   void kill_a_bake(const std::vector<std::string>& more) const {
     std::vector<std::string> options = more;
     options.push_back("--resume");
     Program bake(command(options));
     wait_for_rows(bake, partial(), 2);
     bake.send(SIGKILL);
-    ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
+    ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake ended before the kill";
     ASSERT_GT(kept_rows(partial()).size(), 0u);
   }
   std::uint64_t rows_resumed() const {
@@ -90,7 +90,7 @@ TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
     const ProgramResult resumed = run_program(command(again));
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
     EXPECT_GT(rows_resumed(), 100u);
-    EXPECT_EQ(content_hash(), whole) << "pixels differ from those of a bake that was not killed";
+    EXPECT_EQ(content_hash(), whole) << "pixels differ from those of an undisturbed bake";
     EXPECT_FALSE(std::filesystem::exists(partial()));
     std::filesystem::remove(path("map.ndf.exr"));
   }
@@ -123,7 +123,7 @@ TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   }
 }
 
-// What a farm does before it kills: docs/reference/exit_codes.md.
+// A farm sends SIGTERM before it kills: docs/reference/exit_codes.md.
 TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   make_map("map", 512);
   const auto bake = [&](const std::vector<std::string>& more) {
@@ -131,7 +131,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum_command(arguments);
   };
-  // A target bakes beside the output, under a name of its own.
+  // A bake with a target writes next to the output, under its own name.
   for (const auto& [options, name] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--no-measure", "--refine"}, "map.ndf.exr"},
            {{"--no-measure", "--ndf", "gmm"}, "map.ndf.exr"},
@@ -145,7 +145,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
     wait_for_rows(stopped, path(".multum-partial-" + name), 2);
     const auto asked = std::chrono::steady_clock::now();
     stopped.send(SIGTERM);
-    EXPECT_EQ(stopped.wait().exit_code, 130) << name << ": it was quicker than the signal";
+    EXPECT_EQ(stopped.wait().exit_code, 130) << name << ": it ended before the signal";
     EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(30));
     EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
     with_resume.insert(with_resume.end(), {"--report", path("report.json")});
@@ -158,7 +158,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   }
 }
 
-// What a scene's target chooses too: the trials are made again, the bake goes on.
+// With a scene's target too: the trials are repeated, and the bake continues.
 TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   make_map("map", 512);
   std::ofstream(path("scene.toml")) << "[camera]\nresolution = [96, 72]\n[budget]\ntarget_error = 0.3\n"
@@ -176,7 +176,7 @@ TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   const std::string partial_of_scene = path("out/.multum-partial-wall.ndf.exr/.multum-partial-chosen.exr");
   wait_for_rows(stopped, partial_of_scene, 2);
   stopped.send(SIGTERM);
-  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
+  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake ended before the signal";
   EXPECT_FALSE(std::filesystem::exists(file));
   ASSERT_TRUE(has_rows(partial_of_scene, 2));
   ASSERT_EQ(run_program(scene).exit_code, 0);
@@ -185,7 +185,7 @@ TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   EXPECT_GT(nlohmann::json::parse(in).at("maps").at(0).at("bake").at("rows_resumed").get<int>(), 100);
 }
 
-// Maps that are done are in place; the one that was stopped goes on.
+// Finished maps are in place; the stopped map continues.
 TEST_F(ResumeTest, ATerminatedSetGoesOn) {
   make_map("map", 512);
   for (const char* tile : {"1001", "1002"})
@@ -195,7 +195,7 @@ TEST_F(ResumeTest, ATerminatedSetGoesOn) {
   Program stopped(set);
   wait_for_rows(stopped, path(".multum-partial-rock_1002.ndf.exr"), 2);
   stopped.send(SIGTERM);
-  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
+  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake ended before the signal";
   ASSERT_TRUE(std::filesystem::exists(path("rock_1001.ndf.exr")));
   EXPECT_FALSE(std::filesystem::exists(path("rock_1002.ndf.exr")));
   EXPECT_TRUE(has_rows(path(".multum-partial-rock_1002.ndf.exr"), 2));
@@ -206,7 +206,7 @@ TEST_F(ResumeTest, ATerminatedSetGoesOn) {
             read_movmf_header(path("rock_1001.ndf.exr")).header.provenance.content_hash);
 }
 
-// Of a map of this size the finest level takes less time than its rows.
+// In a map of this size, fitting the finest level takes less time than keeping its rows.
 TEST_F(ResumeTest, WhoDoesNotAskForItKeepsAllButTheFinestLevel) {
   make_map("map", 1024);
   ASSERT_EQ(run_program(command({})).exit_code, 0);
@@ -215,7 +215,7 @@ TEST_F(ResumeTest, WhoDoesNotAskForItKeepsAllButTheFinestLevel) {
   Program bake(command({}));
   wait_for_rows(bake, partial(), 3);
   bake.send(SIGKILL);
-  ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
+  ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake ended before the kill";
   EXPECT_FALSE(has_rows(partial(), 1));
   const ProgramResult resumed = run_program(command({"--resume", "--report", path("report.json")}));
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
@@ -244,7 +244,7 @@ TEST_F(ResumeTest, WhatAnotherBakeLeftIsNotTaken) {
   EXPECT_FALSE(std::filesystem::exists(partial()));
 }
 
-// Each whole: the second does without a folder that the first has to itself.
+// Both files are complete. The first bake has the folder of partial work to itself; the second does without one.
 TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
   make_map("map", 512);
   ASSERT_EQ(run_program(command({})).exit_code, 0);
@@ -262,11 +262,11 @@ TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
 
 class RegionTest : public CliTest {
  protected:
-  // The four-quarter map of 256, and the same with a dome in its noise, around (192, 160).
+  // Makes the four-quarter map of 256 texels per side, and a copy with a dome in its noise around (192, 160).
   void SetUp() override {
     make_map("map", kSide);
     NormalMapSettings reading;
-    reading.green = GreenAxis::kUp;  // as it was written: what is not edited stays as it is
+    reading.green = GreenAxis::kUp;  // as written: texels that are not edited stay unchanged
     NormalMap map = read_normal_map(path("map_normal.png"), reading, 1, nullptr);
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
@@ -286,7 +286,7 @@ class RegionTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum(arguments);
   }
-  // Error over the whole map: the means over points and levels, by BRDF.
+  // Errors over the whole map: means over points and levels, by BRDF.
   std::map<std::string, double> errors(const std::string& output) const {
     std::ifstream in(path(output + ".json"));
     std::map<std::string, double> sums;
@@ -306,7 +306,7 @@ TEST_F(RegionTest, OnlyTheRegionItsHaloAndItsAncestorsChange) {
   const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr"));
   for (std::size_t l = 0; l < old.levels.size(); ++l) {
     const MovmfLevel &a = old.levels[l], &b = now.levels[l];
-    const int size = kSide >> l, halo = l == 0 ? 4 : 2;  // of level 0 what level 1's halo covers
+    const int size = kSide >> l, halo = l == 0 ? 4 : 2;  // level 0: the texels that level 1's halo covers
     bool changed = false;
     for (std::size_t i = 0; i < a.lobes[0].size(); ++i) {
       bool same = true;
@@ -321,7 +321,7 @@ TEST_F(RegionTest, OnlyTheRegionItsHaloAndItsAncestorsChange) {
   }
 }
 
-// The measure: at most 1 % of its value worse than a full bake.
+// The error is at most 1 % of its value higher than that of a full bake.
 TEST_F(RegionTest, IsNearlyAsGoodAsAWholeBake) {
   ASSERT_EQ(bake("edited.png", "new.ndf.exr", region_).exit_code, 0);
   ASSERT_EQ(bake("edited.png", "whole.ndf.exr", {}).exit_code, 0);
@@ -337,7 +337,7 @@ TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
   EXPECT_EQ(from.source_name, "edited.png");
 }
 
-// Else the file would say that it is of the edited map, and be of the old one where nobody looked.
+// Otherwise the file would claim to be of the edited map, and still hold the old map outside the region.
 TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
   const ProgramResult right = bake("edited.png", "auto.ndf.exr", {"--region", "auto", "--onto", path("old.ndf.exr")});
   ASSERT_EQ(right.exit_code, 0) << right.err;
@@ -351,7 +351,7 @@ TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
   EXPECT_LE(x + width, 212);
   EXPECT_LE(y + height, 180);
   EXPECT_GT(width * height, 20 * 20);
-  for (const int side : {0, 1, 2, 3}) {  // a texel is missed on each side in turn
+  for (const int side : {0, 1, 2, 3}) {  // the region misses a texel on each side in turn
     const std::string region = fmt::format("{},{},{},{}", x + (side == 0 ? 1 : 0), y + (side == 1 ? 1 : 0),
                                            width - (side % 2 == 0 ? 1 : 0), height - (side % 2 == 1 ? 1 : 0));
     const ProgramResult missed = bake("edited.png", "new.ndf.exr", {"--region", region, "--onto", path("old.ndf.exr")});
@@ -398,7 +398,7 @@ TEST_F(RegionTest, WeightsOfTheRegionChange) {
   const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr")),
                     whole = read_movmf_mipmap(path("whole.ndf.exr"));
   constexpr std::size_t kLevel = 3, kWidth = kSide >> kLevel;
-  // Sums over the lobes: of a texel in the region's middle, and of the first.
+  // Sums over the lobes, for a texel in the region's middle and for the first texel.
   const auto first_weight = [&](const MovmfMipmap& mipmap, std::size_t texel) {
     float sum = 0.0f;
     for (const std::vector<float>& lobe : mipmap.levels[kLevel].weights) sum += lobe[texel * 3];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum plan and multum bake scene.toml: six scenes whose pictures are held to those of the default bake, and whose
-// launches and builds to what the plan says.
+// multum plan and multum bake scene.toml: the pictures of six scenes are compared with those of the default bake, and
+// their launches and builds with the plan.
 #include <fmt/format.h>
 
 #include <OpenImageIO/imageio.h>
@@ -24,20 +24,20 @@ constexpr char kObject[] =
 constexpr char kSky[] = "[environment]\nfile = \"sky.exr\"\n";
 constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
 
-constexpr double kFarther = 16.0;  // for pictures of coarser levels: the nearest distance shows the finest, magnified
+constexpr double kFarther = 16.0;  // shows coarser levels; the nearest distance magnifies the finest one
 
 struct SceneCase {
   std::string name;
   std::string normal = "map";  // NORMAL_normal.png
-  std::string albedo = "";     // its file, where there is one
+  std::string albedo = "";     // file name; empty: none
   std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n";
   std::string distance = "0.4, 20";
   std::string light = kSun;
   std::string object = "";       // more keys
-  double difference_max = 1e-5;  // of pictures from the default's: what was seen and half as much, or none
+  double difference_max = 1e-5;  // from the default bake's pictures: 1.5 times the measured difference, or none
 };
 
-// What a shader's code and active uniforms have where an effect is needed, and only there.
+// Texts that a shader's code and active uniforms contain if, and only if, an effect is needed.
 struct EffectMark {
   const char *effect, *mark;
 };
@@ -68,12 +68,12 @@ class SceneCommandTest : public CliTest {
     write_bytes(path(c.name + ".toml"), text);
     return path(c.name + ".toml");
   }
-  // One that says itself what it is made of.
+  // A scene with an object that names its own materials.
   static std::string with_object(const std::string& materials) {
     return "[[object]]\nname = \"front\"\nmap = \"wall\"\n" + materials + "\nwidth = 2.0\ndistance = [0.4, 20]\n";
   }
   Json json(const std::string& name) const { return Json::parse(read_bytes(path(name))); }
-  // Three channels of bytes, or of floats.
+  // Writes three channels of bytes, or of floats.
   void write_image(const std::string& name, int size, const std::function<float(int x, int y, int c)>& value,
                    bool half_as_high = false) const {
     const int height = half_as_high ? size / 2 : size;
@@ -95,7 +95,7 @@ class SceneCommandTest : public CliTest {
   static std::vector<std::string> viewer(const std::string& plan) {
     return {std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", plan, "--context", "osmesa"};
   }
-  // `repeat` 0: as the plan has it, from the nearest distance.
+  // `repeat` 0: the plan's repeats, from the nearest distance.
   std::vector<float> draw(const std::string& plan, double repeat = 0.0) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(), {"-o", path("picture.exr"), "--shaders", path("shaders.json")});
@@ -110,19 +110,19 @@ class SceneCommandTest : public CliTest {
     return values;
   }
 
-  // Relative L1 of a plan's picture against normals shaded one by one.
+  // Relative L1 error of a plan's picture against normals that are shaded one by one.
   double error_of_picture(const std::string& plan, double repeat) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(),
                    {"-o", path("reference.exr"), "--report", path("reference.json"), "--compare", "reference"});
-    // The maps that the reference is drawn from are named in the plan.
+    // The plan names the maps that the reference is drawn from.
     command.insert(command.end(), {"--samples", "64", "--repeat", fmt::format("{:.9g}", repeat)});
     const ProgramResult drawn = run_program(command);
     EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
     return json("reference.json")["pictures"].back()["relative_l1"];
   }
 
-  // Of the picture that was drawn last.
+  // Checks the shader of the picture that was drawn last.
   void hold_shader_to_plan(const Json& plan) const {
     const Json variants = json("shaders.json");
     ASSERT_EQ(variants.size(), 1u);
@@ -138,12 +138,13 @@ class SceneCommandTest : public CliTest {
         ++decided;
         EXPECT_EQ(std::regex_search(held, std::regex(mark.mark)), effect["needed"].get<bool>()) << effect << held;
       }
-    EXPECT_GE(decided, std::size(kMarks) - 1);  // colours of lobes: where there are colours
-    // Levels that are not stored are never seen.
+    EXPECT_GE(decided, std::size(kMarks) - 1);  // colours of lobes are decided only where there are colours
+    // Levels that are not stored are never visible.
     EXPECT_EQ(held.find("normal_map"), std::string::npos);
   }
 
-  // By what was measured of both bakes, by what the plan said before them, and by what such a scene is known to differ.
+  // Compares a picture by the measured errors of both bakes, by the plan's estimates, and by the scene's known
+  // difference.
   void hold_picture(const SceneCase& c, const std::string& from, const std::vector<float>& picture,
                     const std::vector<float>& expected, double stated, double planned) const {
     double off = 0.0, all = 0.0;
@@ -159,7 +160,7 @@ class SceneCommandTest : public CliTest {
     RecordProperty(c.name + " " + from, fmt::format("{:.3g} of {:.3g} %", 100.0 * off / all, 100.0 * stated));
   }
 
-  // Bakes and draws; the pictures must be as near as the plan states. Returns the report.
+  // Bakes and draws; the pictures must differ by no more than the plan states. Returns the report.
   Json hold_to_default(const SceneCase& c) const {
     SCOPED_TRACE(c.name);
     const ProgramResult baked = multum({"bake", write_scene(c), "-o", path(c.name)});
@@ -185,16 +186,17 @@ class SceneCommandTest : public CliTest {
     view.erase("fixed-fresnel");
     write_bytes(path(c.name + "/default.json"), plan.dump());
     hold_picture(c, "near", picture, draw(path(c.name + "/default.json")), stated, planned);
-    // Farther away, where pixels hold several texels: coarser levels.
+    // From a larger distance, where pixels hold several texels: coarser levels.
     const double repeat = kFarther * view["repeat"].get<double>();
     hold_picture(c, "far", draw(path(c.name + "/plan.json"), repeat), draw(path(c.name + "/default.json"), repeat),
                  stated, planned);
-    // What `stated` was measured of is these very bakes. What is not: normals shaded one by one, which the scene's may
-    // not be farther from.
-    if (!is_fresnel_fixed) {  // else the reference has it fixed too
+    // The stated errors were measured on these same bakes. Against normals that are shaded one by one, the scene's
+    // picture
+    // may not have a higher error.
+    if (!is_fresnel_fixed) {  // else the reference has a fixed Fresnel term too
       const double own = error_of_picture(path(c.name + "/plan.json"), repeat),
                    usual = error_of_picture(path(c.name + "/default.json"), repeat);
-      EXPECT_LT(own, usual + 0.012);  // 5.5 and 4.5 % of diffuse light, else the same
+      EXPECT_LT(own, usual + 0.012);  // 5.5 and 4.5 % with diffuse light, else equal
     }
     return report;
   }
@@ -224,7 +226,7 @@ TEST_F(SceneCommandTest, AFlatWallIsOneTexel) {
   EXPECT_EQ(names(report["launches"]), (std::vector<std::string>{"mip_blocks", "mip_features", "mip_levels"}));
   EXPECT_EQ(names(report["builds"]), std::vector<std::string>{"mip_box"});
   EXPECT_EQ(report["bytes"], 8.0);
-  EXPECT_FALSE(is_compared(report)) << "a bound of the map itself is known";
+  EXPECT_FALSE(is_compared(report)) << "a bound for the map itself must be stated";
 }
 
 TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
@@ -242,7 +244,7 @@ TEST_F(SceneCommandTest, DiffuseLightFitsNothing) {
 TEST_F(SceneCommandTest, OneFarObjectFitsNoFineLevels) {
   const Json report = hold_to_default({.name = "far", .distance = "60, 80"});
   EXPECT_TRUE(has_em(report));
-  EXPECT_FALSE(is_compared(report)) << "levels that are left out change no other";
+  EXPECT_FALSE(is_compared(report)) << "omitted levels must not change other levels";
   for (const auto& [kernel, count] : report["launches"].items()) EXPECT_NE(kernel, "movmf_level_zero");
   EXPECT_FALSE(report["builds"].contains("movmf_level_zero"));
   EXPECT_GT(report["bytes_saved"], 0.0);
@@ -257,7 +259,7 @@ TEST_F(SceneCommandTest, ColoursThatKnowNoSlopesAreOneATexel) {
                                        .material = "brdf = \"blinn-phong\"\nexponent = 20\n",
                                        .difference_max = 0.008});
   EXPECT_TRUE(has_em(report));
-  EXPECT_FALSE(report["builds"].contains("movmf_features")) << "no colours are shared out among lobes";
+  EXPECT_FALSE(report["builds"].contains("movmf_features")) << "no kernel may distribute colours among lobes";
   EXPECT_TRUE(fs::exists(path("colour/wall.colours.exr")));
 }
 
@@ -276,7 +278,7 @@ TEST_F(SceneCommandTest, AnEnvironmentNeedsNoLights) {
   }
 }
 
-// Four directions, each with its own colour, from near: the very file of the default bake.
+// Four directions with their own colours, seen from near, need exactly the default bake's file.
 TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   write_image("four_normal.png", 64, [](int x, int y, int c) {
     return c == 0 ? (x % 2 == 0 ? 0.2f : 0.8f) : c == 1 ? (y % 2 == 0 ? 0.2f : 0.8f) : 0.7646f;
@@ -295,7 +297,7 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   EXPECT_EQ(json("every/plan.json")["maps"][0]["stated_difference"], 0.0);
 }
 
-// A metal that is seen from nearly above: F differs too little to be code. Of what is no metal, it does not.
+// A metal seen from almost straight above: F varies too little to need code. For other materials it varies more.
 TEST_F(SceneCommandTest, FresnelIsANumberWhereItDiffersLittle) {
   SceneCase scene{
       .name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.97\ndiffuse = 0\n", .difference_max = 0.02};
@@ -323,7 +325,7 @@ TEST_F(SceneCommandTest, ARunGoesOnWhereItWas) {
   EXPECT_EQ(fs::last_write_time(path("out/wall.ndf.exr")), time);
   EXPECT_EQ(json("out/report.json")["launches"], Json::object());
   row["unchanged"] = true;
-  EXPECT_EQ(json("out/report.json")["maps"][0], row) << "what is known of it stays";
+  EXPECT_EQ(json("out/report.json")["maps"][0], row) << "the measured errors must stay";
   ASSERT_EQ(multum({"bake", scene, "-o", path("out"), "-q", "--force"}).exit_code, 0);
   EXPECT_NE(fs::last_write_time(path("out/wall.ndf.exr")), time);
 }
@@ -363,7 +365,7 @@ TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
   EXPECT_FALSE(fs::exists(path("none/plan.json")));
 }
 
-// Estimates come near; what trials settle on is what plan and report say, then and when nothing is left to do.
+// Estimates are close. Plan and report state the settings that the trials chose, then and when no work is left.
 TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   SceneCase scene{.name = "target"};
   scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\ntarget_error = 0.25\n";
@@ -395,8 +397,8 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   }
 }
 
-// One lobe is estimated to do, and was baked before there was a target: what was measured of it decides. Estimates stop
-// at s = 200: of s = 3000 they say less than a bake measures.
+// One lobe is estimated to be enough, and was baked before there was a target: its measured error decides. Estimates
+// stop at s = 200; for s = 3000 they are less certain than a bake's measurement.
 TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   SceneCase scene{.name = "one"};
   const std::string sharp = "brdf = \"blinn-phong\"\nexponent = 3000\n", material = sharp + "[budget]\n";
@@ -419,14 +421,14 @@ TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   const auto [lobes, error] = lobes_and_error(fmt::format("target_error = {}\n", 3.0));
   EXPECT_EQ(lobes, 1);
   ASSERT_GT(estimate, 0.0) << "no such candidate";
-  ASSERT_LT(estimate, 0.9 * error) << "the target between them would say nothing";
+  ASSERT_LT(estimate, 0.9 * error) << "a target between them would test nothing";
   const double target = 0.5 * (estimate + error);
   const auto [more, better] = lobes_and_error(fmt::format("target_error = {}\n", target));
   EXPECT_GT(more, 1);
   EXPECT_LE(better, target);
 }
 
-// Basis BRDFs of their own colours: red where the first weight is, blue where the second.
+// Basis BRDFs with their own colours: red for the first weight, blue for the second.
 TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
   write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
   const auto weights = OIIO::ImageOutput::create(path("weights.tif"));
@@ -461,7 +463,7 @@ TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
   expect_refusal(refused, kInput, {"weights.tif: ", "2 weights", "expected 3", "\"front\"", "materials"});
 }
 
-// Four directions and four BRDFs: which facets shine is in the weights. One lobe is not enough, and the plan knows.
+// Four directions and four BRDFs: the weights say which facets shine. One lobe is not enough, and the plan says so.
 TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
   write_image("four_normal.png", 64, [](int x, int y, int c) {
     return c == 0 ? (x % 2 == 0 ? 0.2f : 0.8f) : c == 1 ? (y % 2 == 0 ? 0.2f : 0.8f) : 0.7646f;
@@ -481,7 +483,7 @@ TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
     return map["chosen"]["lobes"].get<int>();
   };
   const std::string rough = "brdf = \"roughness-map\"\n", keys = "roughness = \"rough.png:R\"";
-  EXPECT_EQ(lobes("flat", keys, rough, "material = \"paint\""), 1) << "of a flat map one roughness is one lobe";
+  EXPECT_EQ(lobes("flat", keys, rough, "material = \"paint\""), 1) << "a flat map with one roughness needs one lobe";
   EXPECT_GT(lobes("four", keys, rough, "material = \"paint\""), 1);
   const std::string two =
       "brdf = \"lambert\"\n[[material]]\nname = \"shine\"\nbrdf = \"blinn-phong\"\nexponent = 100\n";
@@ -512,7 +514,7 @@ TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
   result = run_program({view, "--scene", path("bad.toml"), path("map.ndf.exr"), "-o", path("x.png")});
   expect_refusal(result, kUsage, {"unknown option '--scene'", "'multum-view animate'"});
   result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", path("bad.toml"), "-o", path("x.png")});
-  expect_refusal(result, kInput, {"bad.toml", "no plan"});
+  expect_refusal(result, kInput, {"bad.toml", "not a plan"});
 }
 
 }  // namespace

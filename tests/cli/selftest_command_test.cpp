@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest as a user runs it: what it prints and writes, and what it refuses. That a broken guard is named is in
-// tests/hard_cases/selftest_test.cpp.
+// multum selftest as a user runs it: its output, its files and its refusals. tests/hard_cases/selftest_test.cpp tests
+// that a broken guard is named.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@ TEST_F(SelftestCommandTest, NamesTheDeviceAndEveryCase) {
   for (const char* part : {"device  ", "driver", "a-dead-lobe-takes-nothing", "any-normal-gets-a-lobe",
                            "a-lobe-of-no-direction", "ok", "4 cases, 0 broken"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
-  EXPECT_EQ(result.out.find("without"), std::string::npos) << "a column of what was not run";
+  EXPECT_EQ(result.out.find("without"), std::string::npos) << "a column must not show variants that were not run";
   const nlohmann::json json = nlohmann::json::parse(read_bytes(path("verdicts.json")));
   EXPECT_TRUE(json.at("holds").get<bool>());
   EXPECT_EQ(json.at("cases").size(), 4u);

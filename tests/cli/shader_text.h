@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the code that a shader variant holds: its text as the preprocessor leaves it, of functions that main() reaches.
+// Finds the code that a shader variant holds: the preprocessed text of the functions that main() reaches.
 #pragma once
 
 #include <string>
 
 namespace multum::testing {
 
-/// `fragment`: flags as #define and all texts, as multum-view --shaders writes them. `scratch`: a file to write.
+/// `fragment`: flags as #define and all texts, from multum-view --shaders. `scratch`: a file to write.
 std::string reached_code(const std::string& fragment, const std::string& scratch);
 
 }  // namespace multum::testing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names that are not UTF-8 are baked and reported, names with control characters are not written, and what is not a
-// regular file is refused by every command: at once, for a program that waits would never end here.
+// Names that are not UTF-8 are baked and reported; names with control characters are not written. Every command refuses
+// files that are not regular, and at once: a program that waited for them would never end.
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>

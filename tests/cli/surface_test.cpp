@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of the surface between texels, as renderers show it from near: `multum bake --surface interpolated`.
+// Bakes of the surface between texels, as renderers show it magnified: `multum bake --surface interpolated`.
 #include <OpenImageIO/imagebuf.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ constexpr int kSize = 128;
 
 class SurfaceCommandTest : public CliTest {
  protected:
-  /// White noise: no two texels have to do with one another, where the surface between them is smoothest.
+  /// White noise: texels are independent, which makes the surface between them much smoother than the texels.
   void write_noise(float slope) const {
     std::mt19937 random(11);
     std::normal_distribution<float> slopes(0.0f, slope);
@@ -43,7 +43,7 @@ class SurfaceCommandTest : public CliTest {
     const ProgramResult result = multum(words);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
-  /// Of the coarsest texel, 1 - |mean normal|.
+  /// Returns 1 - |mean normal| of the coarsest texel.
   double spread(const std::string& name) {
     const MovmfMipmap map = read_movmf_mipmap(path(name));
     glm::vec4 sum(0.0f);
@@ -52,19 +52,20 @@ class SurfaceCommandTest : public CliTest {
   }
 };
 
-// Two points of three in each direction are independent halves of neighbours: the variance is (2/3)^2 of the texels'.
+// In each direction, two of three points are independent halves of neighbours: the variance is (2/3)^2 of the texels'
+// variance.
 TEST_F(SurfaceCommandTest, OfWhiteNoiseTheVarianceIsFourNinths) {
   write_noise(0.1f);
   bake("texels.ndf.exr", {"--first-level", "1", "--no-measure"});
   bake("surface.ndf.exr", {"--surface", "interpolated", "--no-measure"});
   EXPECT_NEAR(spread("surface.ndf.exr") / spread("texels.ndf.exr"), 4.0 / 9.0, 0.02);
   const MovmfMipmap map = read_movmf_mipmap(path("surface.ndf.exr"));
-  EXPECT_EQ(map.header.first_level, 1) << "level 0 is the normal map's";
+  EXPECT_EQ(map.header.first_level, 1) << "level 0 comes from the normal map";
   const nlohmann::json settings = nlohmann::json::parse(map.header.provenance.settings);
   EXPECT_EQ(settings.value("surface", ""), "interpolated");
 }
 
-// From afar; nearer, both have the normal map.
+// Compares pictures from a distance; from near, both bakes use the normal map.
 TEST_F(SurfaceCommandTest, PicturesAreNearerWhatIsInterpolated) {
   write_noise(0.3f);
   bake("texels.ndf.exr", {"--first-level", "1", "--no-measure"});
@@ -118,7 +119,7 @@ TEST_F(SurfaceCommandTest, SharesAndOtherNdfsAreOfTheSameSurface) {
   }
 }
 
-// Level 0 is the map's own, coarser ones are smoother, as their normals spread less.
+// Level 0 is the map's own; coarser levels are smoother, because the interpolated normals spread less.
 TEST_F(SurfaceCommandTest, ExportedLobesAreOfTheSurfaceFromLevel1On) {
   write_noise(0.3f);
   const auto roughness = [&](const std::string& surface, const char* level) {
@@ -161,7 +162,7 @@ TEST_F(SurfaceCommandTest, TexelsAndPointsAreNotMixed) {
   expect_refusal(multum({"bake", "--manifest", path("maps.toml")}), testing::kInput,
                  {"maps.toml:5", "first_level", "1 or more"});
   std::filesystem::remove(path("maps.toml"));
-  // A bake of the texels is not taken for one of the surface.
+  // A bake of the texels does not pass for a bake of the surface.
   bake("map.ndf.exr", {"--first-level", "1"});
   const std::string texels = testing::read_bytes(path("map.ndf.exr"));
   bake("map.ndf.exr", {"--first-level", "1", "--surface", "interpolated"});
@@ -178,7 +179,7 @@ TEST_F(SurfaceCommandTest, TexelsAndPointsAreNotMixed) {
       testing::kInput, {"map.ndf.exr", "--surface interpolated", "expected texels"});
 }
 
-// A manifest's bound is measured again, beside the same points; levels that the normal map has are not.
+// A manifest's bound is measured again at the same points; levels that the normal map provides are not measured.
 TEST_F(SurfaceCommandTest, ItsErrorIsMeasuredFromTheFirstStoredLevelOn) {
   write_noise(0.3f);
   write_text_file(path("maps.toml"),
@@ -199,7 +200,7 @@ TEST_F(SurfaceCommandTest, ItsErrorIsMeasuredFromTheFirstStoredLevelOn) {
   for (const nlohmann::json& row : report["measured_error"]) EXPECT_GE(row["level"].get<int>(), 1) << row;
 }
 
-// Colours are taken where normals are: half the texels are red and lean left, half blue and lean right.
+// Colours are sampled where normals are: half the texels are red and lean left, half are blue and lean right.
 TEST_F(SurfaceCommandTest, ColoursAreTakenAtTheSamePoints) {
   std::vector<std::uint16_t> normals, colours;
   for (int i = 0; i < kSize * kSize; ++i) {
@@ -222,9 +223,9 @@ TEST_F(SurfaceCommandTest, ColoursAreTakenAtTheSamePoints) {
       sum += static_cast<double>(lobe.x / lobe.w * (colour.z - colour.x));
       mean += static_cast<double>(colour.x + colour.z), texels += static_cast<double>(lobe.w);
     }
-  EXPECT_NEAR(mean / texels, 1.0, 0.01) << "red and blue add up to what they were";
-  EXPECT_GT(sum / texels, 0.17) << "what leans right is blue";
-  EXPECT_LT(sum / texels, 0.21) << "colours of the texels themselves are further apart";
+  EXPECT_NEAR(mean / texels, 1.0, 0.01) << "the sum of red and blue must stay";
+  EXPECT_GT(sum / texels, 0.17) << "facets that lean right are blue";
+  EXPECT_LT(sum / texels, 0.21) << "the texels' own colours differ more";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes that are told what to reach: met, refused with the best that was reached, or written all the same.
+// Bakes with a target: met, refused with the best result, or written all the same.
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -34,7 +34,7 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
   }
   EXPECT_TRUE(found) << report["error"];
-  // What other footprints say than those that chose, which the report has, and what the worst of them have.
+  // The report lists errors at footprints that had no part in the choice, and the worst of these errors.
   std::smatch judged;
   ASSERT_TRUE(std::regex_search(
       met.out, judged,
@@ -49,7 +49,7 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     has_chosen_by = has_chosen_by || std::abs(100.0 * one["relative_l1"].get<double>() - std::stod(judged[3])) < 0.006;
   EXPECT_TRUE(has_chosen_by) << met.out << report["error"];
   EXPECT_TRUE(contains(report["choice"], "chosen")) << report["choice"];
-  // The file states what every other does: a second bake with the settings that it names is of the same texels.
+  // The file states the settings like any other file: a second bake with these settings gives the same texels.
   const std::string options = std::regex_replace(met.out, std::regex("[^]*chosen: (.*?): [0-9][^]*"), "$1");
   std::vector<std::string> again = {"bake", path("map_normal.png"), "-o", path("again.ndf.exr"), "--green", "up"};
   std::stringstream words(options);
@@ -73,7 +73,7 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   const ProgramResult written = bake(best_effort);
   expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "are written"});
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
-  // An exponent that is none of the usual ones is no part of the file.
+  // An exponent that is not one of the usual ones is not stored in the file.
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));
 }
 
@@ -86,7 +86,7 @@ TEST_F(TargetCommandTest, LeavesWhatWasChosenForTheSame) {
   EXPECT_FALSE(is_unchanged(bake({"--target-error", "0.5", "--ndf", "vmf", "--align", "0.2"}))) << "another prior";
   ASSERT_EQ(bake({"--target-error", "0.5", "--ndf", "vmf", "--brdf", "lambert"}).exit_code, 0);
   EXPECT_FALSE(is_unchanged(bake(wide))) << "another BRDF";
-  // What misses its target is no more in place the second time.
+  // A file that misses its target is not accepted as up to date by a second run either.
   const std::vector<std::string> missed = {"--target-error", "0.00001", "--ndf", "moments", "--best-effort"};
   EXPECT_EQ(bake(missed).exit_code, 5);
   EXPECT_EQ(bake(missed).exit_code, 5);
@@ -129,7 +129,8 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
   }
 }
 
-// As text, in the report and in the file's header; levels of small maps are measured whole, without an interval.
+// The error appears as text, in the report and in the file's header. Levels of small maps are measured completely,
+// without an interval.
 TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   for (const int size : {32, 512}) {
     make_map("map", size);
@@ -164,7 +165,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
     ASSERT_EQ(header.size(), pixels + report["measured_error"].size());
     for (std::size_t i = pixels; i < header.size(); ++i) {
       const nlohmann::json& row = report["measured_error"][i - pixels];
-      const bool all_texels = (size >> row["level"].get<int>()) <= 64;  // 8192 texels at most
+      const bool all_texels = (size >> row["level"].get<int>()) <= 64;  // at most 8192 texels
       EXPECT_EQ(row["all_texels"], all_texels) << row;
       EXPECT_EQ(row["confidence_95"] == 0.0, all_texels) << row;
       EXPECT_NEAR(header[i][4].get<double>(), row["confidence_95"].get<double>(), 1e-6) << row;

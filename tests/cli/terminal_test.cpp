@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names and texts with control characters: shown on a terminal, as they are in a pipe.
+// Names and texts with control characters: escaped on a terminal, unchanged in a pipe.
 #include <regex>
 #include <sstream>
 
@@ -8,7 +8,7 @@
 namespace multum::testing {
 namespace {
 
-// ESC, a C1 character as UTF-8 and as one byte, which terminals of 8 bits take for ESC [.
+// ESC, and a C1 character as UTF-8 and as one byte, which 8-bit terminals read as ESC [.
 const std::string kName =
     "q\x1b[31m\xc2\x9b"
     "2J\x9b"
@@ -20,7 +20,7 @@ class TerminalTest : public CliTest {
   void SetUp() override {
     if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals";
   }
-  // On a terminal none of it arrives, and its text is there; a pipe has the name itself.
+  // On a terminal no control character arrives, and the text around it does; a pipe gets the name itself.
   void expect_shown(const std::vector<std::string>& arguments, int exit_code) const {
     const ProgramResult shown = run_on_terminal(multum_command(arguments));
     EXPECT_EQ(shown.exit_code, exit_code) << shown.out;
@@ -46,12 +46,12 @@ TEST_F(TerminalTest, NamesInResults) {
   std::filesystem::rename(path("map_normal.png"), path(kName + ".png"));
   const std::string plain = path("plain.ndf.exr"), baked = path(kName + ".ndf.exr");
   ASSERT_EQ(multum({"bake", path(kName + ".png"), "-o", plain, "--ndf", "moments", "--no-measure"}).exit_code, 0);
-  expect_shown({"info", plain}, 0);       // by the source's name, which the file has
-  std::filesystem::rename(plain, baked);  // by hand: multum writes no such name
+  expect_shown({"info", plain}, 0);       // uses the source's name, which the file stores
+  std::filesystem::rename(plain, baked);  // renamed by the test: multum writes no such name
   expect_shown({"info", baked}, 0);
 }
 
-// A bar of progress is wiped before a line of either stream; no line holds one.
+// The progress bar is wiped before a line of either stream, and no line contains the bar.
 TEST_F(TerminalTest, BarsDoNotRunIntoLines) {
   make_map("map", 64);
   const ProgramResult shown = run_on_terminal(multum_command(

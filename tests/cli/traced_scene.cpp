@@ -29,7 +29,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 struct Quad {
   const char* name;
   glm::dvec3 corner, u_edge, v_edge;  // u, v = 0..1 along the edges
-  std::uint32_t hash;                 // in the Cryptomatte
+  std::uint32_t hash;                 // its Cryptomatte hash
 };
 
 const Quad kGround = {"ground", {-1.5, -1.0, 0.0}, {3.0, 0.0, 0.0}, {0.0, 3.0, 0.0}, 0x3f400000u};
@@ -59,7 +59,7 @@ glm::dmat4 camera_of(int view, double shift) {
                      glm::dvec3(shift, 0.3, 0.2), glm::dvec3(0.0, 0.0, 1.0));
 }
 
-// What a diffuse surface looks like, from everywhere.
+// Radiance of a diffuse surface, the same from every direction.
 glm::dvec3 diffuse_of(int object, const Hit& hit, int light) {
   const double level = 0.6 + 0.3 * light;
   if (object == 1) return level * glm::dvec3(0.3, 0.3 + 0.1 * hit.v, 0.5);
@@ -67,7 +67,7 @@ glm::dvec3 diffuse_of(int object, const Hit& hit, int light) {
   return level * glm::dvec3(0.35 + 0.25 * waves, 0.3 - 0.1 * waves, 0.25);
 }
 
-// A soft highlight on the board, that moves with the eye and the light.
+// A soft highlight on the board that moves with the eye and the light.
 glm::dvec3 glossy_of(int object, const Hit& hit, int view, int light) {
   if (object != 1) return glm::dvec3(0.0);
   const double du = hit.u - 0.4 - 0.05 * view, dv = hit.v - 0.5 - 0.1 * light;
@@ -85,7 +85,7 @@ struct Sub {
   Hit hit;
 };
 
-// One view's sub-pixels, row by row.
+// The sub-pixels of one view, row by row.
 class View {
  public:
   View(const TracedScene& scene, int number) : scene_(scene), number_(number) {
@@ -117,7 +117,7 @@ class View {
   int number() const { return number_; }
 
  private:
-  // The ray's direction has length 1 along -z, so that its distance is the depth.
+  // The ray's direction has length 1 along -z, so the ray distance is the depth.
   Sub trace(const glm::dvec3& eye, const glm::dmat4& camera_to_world, double sub_x, double sub_y) const {
     const double x = 2.0 * sub_x / (scene_.width * kSubPixels) - 1.0,
                  y = 1.0 - 2.0 * sub_y / (scene_.height * kSubPixels);
@@ -191,7 +191,7 @@ void write_geometry(const std::string& path, const TracedScene& scene, const Vie
   write_exr(path, scene.width, scene.height, {part});
 }
 
-// What the middle of each pixel shows. scene.json has the objects in alphabetical order: the board is 1, the ground 2.
+// Writes the object at the centre of each pixel. scene.json has the objects in alphabetical order: 1 board, 2 ground.
 void write_object_index(const std::string& path, const TracedScene& scene, const View& view) {
   Png8Image image{scene.width, scene.height, 1, {}};
   for (int y = 0; y < scene.height; ++y)

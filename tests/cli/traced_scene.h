@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of ray-traced pictures made here: a patterned ground, a glossy board that stands on it, seen from two views
-// under two lights. Every radiance is a formula of the point, the light and the eye, so that what texture inference
-// ought to find is known.
+// Makes a folder of ray-traced pictures: a patterned ground and a glossy upright board, seen from two views
+// under two lights. Every radiance is a formula of point, light and eye, so the expected result of texture inference is
+// known.
 #pragma once
 
 #include <functional>
@@ -15,22 +15,22 @@ namespace multum::testing {
 struct TracedScene {
   int width = 96, height = 72;
   int views = 2, lights = 2;
-  bool has_hidden_object = false;  // a third one, below the ground
-  double camera_shift = 0.0;       // sideways: where scene.json says that cameras are, not where they were
+  bool has_hidden_object = false;  // adds a third object, below the ground
+  double camera_shift = 0.0;       // sideways shift of the cameras in scene.json from their true positions
   bool has_depth_holes = false;    // NaN in the depth of some pixels
-  bool has_object_index = false;   // id_vVV_pPP.png beside the geometry passes
+  bool has_object_index = false;   // id_vVV_pPP.png next to the geometry passes
   bool has_bad_pixels = false;     // NaN and infinity in some radiances of the diffuse pass
 };
 
-/// scene.json, geometry.obj, rad_vVV_pPP.exr, geom_vVV.exr.
+/// Writes scene.json, geometry.obj, rad_vVV_pPP.exr and geom_vVV.exr.
 void write_traced_folder(const std::string& folder, const TracedScene& scene);
 
-/// Tests of what becomes of one: renders/, animation.toml and out/, its textures.
+/// Base class of tests with a traced scene: renders/, animation.toml, and out/ with its textures.
 class TracedSceneTest : public CliTest {
  protected:
   void write_scene(const TracedScene& scene);
   ProgramResult infer(std::vector<std::string> more = {"--no-comparison"}) const;
-  /// Both, as fast as they go.
+  /// Writes the folder and infers its textures, as fast as possible.
   void infer_scene(const TracedScene& scene);
 };
 

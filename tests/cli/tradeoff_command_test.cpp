@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sweep of settings: its page, its figures, its fronts, and that nothing stays behind.
+// A sweep of settings: its page, its figures, its fronts, and that no temporary file remains.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +32,8 @@ bool has_more_error(const nlohmann::json& a, const nlohmann::json& b) {
          std::hypot(a.at("confidence_95").get<double>(), b.at("confidence_95").get<double>());
 }
 
-// Off a front: another row is no worse in bytes and, beyond both intervals, in error, and better in one of the two.
+// Returns whether another row beats this one: it is at least as good in bytes and in error (beyond both intervals), and
+// better in one of the two.
 bool is_beaten(const nlohmann::json& one, const nlohmann::json& rows) {
   return std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& other) {
     return other.at("gpu_bytes") <= one.at("gpu_bytes") && !has_more_error(other, one) &&
@@ -58,8 +59,8 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   EXPECT_LE(chosen.at("relative_l1").get<double>() + chosen.at("confidence_95").get<double>(), 0.3);
   const std::string page = read_bytes(path("costs.html"));
   EXPECT_FALSE(contains(page, "src=\"http") || contains(page, "href=") || contains(page, "import "))
-      << "the page is whole by itself";
-  // It has all that the JSON has.
+      << "the page must be complete without other files";
+  // The page holds all data of the JSON.
   const nlohmann::json data = page_data(page);
   for (const auto& [key, value] : json.items()) EXPECT_EQ(data[key], value) << key;
   EXPECT_EQ(data["asked"], (nlohmann::json{{"error", 0.3}}));
@@ -67,12 +68,12 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   if (!shown) GTEST_SKIP() << "no Chromium";
   EXPECT_TRUE(contains(*shown, chosen.at("command").get<std::string>())) << chosen.at("command");
   for (const char* part : {"<svg", "<polyline", "class=\"sortable\"", "For an error of 30 %", "</html>",
-                           "What accuracy costs: map_normal.png</h1>"})
+                           "accuracy costs: map_normal.png</h1>"})
     EXPECT_TRUE(contains(*shown, part)) << part;
   for (const char* part : {"NaN", "Infinity", "undefined", "null"}) EXPECT_FALSE(contains(*shown, part)) << *shown;
 }
 
-// A file may be called what it wants: the page shows its name as text, and the command quotes it.
+// For any file name, the page shows the name as text, and the command quotes it.
 TEST_F(TradeoffCommandTest, AHostileNameStaysText) {
   const std::string name = "<script><img src=x onerror=\"document.title='mine'\">.png";
   std::filesystem::copy_file(path("map_normal.png"), path(name));
@@ -88,10 +89,10 @@ TEST_F(TradeoffCommandTest, AHostileNameStaysText) {
   EXPECT_TRUE(contains(*shown, "<h1 id=\"title\">What accuracy costs: &lt;script&gt;&lt;img src=x")) << *shown;
 }
 
-// What keeps to all budgets is marked, in page and JSON, and the most accurate of it is chosen; more lobes fit without
-// level 0. Bakes that were only tried warn of nothing on stderr.
+// Page and JSON mark rows within all budgets, and the most accurate of these is chosen. More lobes fit without level 0.
+// Trial bakes print no warnings on stderr.
 TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
-  // Slopes so slight that lobes are sharper than the storage keeps: each bake of lobes has a warning.
+  // Slopes are so slight that lobes are sharper than the storage can keep: each bake of lobes has a warning.
   TestImage slight{.width = 32, .height = 32, .channels = 3, .type = OIIO::TypeDesc::UINT16};
   for (int i = 0; i < 32 * 32; ++i)
     for (const double v : {0.004 * std::sin(0.7 * i), 0.004 * std::cos(1.9 * i), 1.0})
@@ -121,7 +122,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
     fitting += row["fits"].get<bool>() ? 1 : 0;
     if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());
     const std::string bake = row["bake"];
-    // Renderers need the map itself beside files without the finest level.
+    // For files without the finest level, renderers also need the map itself.
     const bool needs_map = bake.find("--first-level") != std::string::npos;
     EXPECT_EQ(row.value("normal_map_file_bytes", std::uint64_t{0}),
               needs_map ? std::filesystem::file_size(path("map_normal.png")) : 0u)
@@ -136,7 +137,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_EQ(json["rows"].at(json["chosen"].get<std::size_t>())["relative_l1"], best);
   ASSERT_EQ(bytes.size(), 4u) << "two and four lobes, with level 0 and without";
   EXPECT_LT((bytes[{4, 1}]), (bytes[{2, 0}]));
-  // Of 32 x 32 texels, level 0 is the normal map's: 64 blocks of BC5; four lobes of the others, 8 bytes a texel each.
+  // For 32 x 32 texels, level 0 is the normal map: 64 blocks of BC5. The others have four lobes of 8 bytes per texel.
   EXPECT_EQ((bytes[{4, 1}]), 64u * 16u + 4u * 8u * (256u + 64u + 16u + 4u + 1u));
   const std::string kept = fmt::format("{} of {} settings", fitting, json["rows"].size());
   expect_says(swept.out, {"within 0.03147 MiB on the GPU, 1e+07 ms of baking: " + kept, " MiB  ", "chosen: "});
@@ -149,7 +150,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
       EXPECT_TRUE(contains(*shown, part)) << part;
     EXPECT_FALSE(contains(*shown, "MB")) << "one unit of memory";
   }
-  // Nothing keeps to it; frames that are not drawn can keep to nothing.
+  // No setting meets this budget, and without drawn frames no setting can meet a frame budget.
   EXPECT_EQ(sweep("map_normal.png", {"--max-bytes", "10"}).exit_code, kVerification);
   EXPECT_EQ(sweep("map_normal.png", {"--max-frame-ms", "10"}).exit_code, kUsage);
   const ProgramResult doubtful = sweep("slight.png", {});
@@ -161,9 +162,9 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_GT(warned, 0u) << "they are in the report";
 }
 
-// Settings are ranked by the measured error of pixels, and what differs by less than both intervals is no nearer. With
-// a roughness map pictures are drawn with it, and errors are those of "roughness".
-using TradeoffPictureTest = TradeoffCommandTest;  // slow: two pictures a setting
+// Settings are ranked by the measured error of pixels; a difference below both intervals does not count. With a
+// roughness map, pictures are drawn with it, and errors are those of "roughness".
+using TradeoffPictureTest = TradeoffCommandTest;  // slow: two pictures per setting
 
 TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   TestImage gloss{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT8};
@@ -201,7 +202,7 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
 
 TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {
   const std::string scratch = ".multum-partial-costs.html";
-  // What a killed one leaves is in no one's way.
+  // Files of a killed sweep do not disturb the next one.
   for (const int signal : {SIGKILL, SIGINT}) {
     Program program(multum_command(command({})));
     while (program.running() && !std::filesystem::exists(path(scratch + "/swept_0.ndf.exr")))
@@ -210,7 +211,7 @@ TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {
     const ProgramResult result = program.wait();
     EXPECT_EQ(signal == SIGKILL ? result.signal : result.exit_code, signal == SIGKILL ? SIGKILL : 130) << result.err;
     EXPECT_EQ(folder_.names().contains(scratch), signal == SIGKILL);
-    std::filesystem::remove(path(scratch + "/swept_0.ndf.exr"));  // which tells when the next one has begun
+    std::filesystem::remove(path(scratch + "/swept_0.ndf.exr"));  // shows when the next setting has begun
   }
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png"}));
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tutorials_test.py on small pages: it passes what is right and names what is wrong."""
+"""Runs tutorials_test.py on small pages: it must pass right pages and name the errors of wrong ones."""
 import pathlib
 import subprocess
 import sys

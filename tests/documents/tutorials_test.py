@@ -147,7 +147,7 @@ def script_of(steps):
             url, title = (word.strip() for word in text.split(" title: "))
             host, port = re.search(r"//([\w.]+):(\d+)", url).groups()
             lines.append(f"for i in {{1..100}}; do (: < /dev/tcp/{host}/{port}) && break; sleep 0.1; done 2> /dev/null")
-            lines.append(f"node {shlex.quote(str(HERE / 'open_page.mjs'))} {shlex.quote(url)} {shlex.quote(title)}")
+            lines.append(shlex.join(["node", str(HERE / "open_page.mjs"), url, title]))
         lines.append(f"echo; echo '=== step {number} done'")
     return "\n".join(lines) + "\n"
 
@@ -176,7 +176,7 @@ def run(steps, programs, folder, registry):
         finally:
             late.cancel()
             try:
-                os.killpg(shell.pid, signal.SIGKILL)  # servers that the page left running
+                os.killpg(shell.pid, signal.SIGKILL)  # servers that the page's commands left running
             except ProcessLookupError:
                 pass
     return output

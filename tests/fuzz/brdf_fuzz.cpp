@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured BRDFs: tables by wavelength, MERL's binary files, networks as JSON. What is read must be finite.
+// Fuzzes readers of measured BRDFs: tables by wavelength, MERL's binary files, networks as JSON. Results must be
+// finite.
 #include <cmath>
 
 #include "host/formats/brdf/measured_file.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The decoder of compressed animations: indexes of packed fields, and texture chunks. It throws nothing; what it cannot
-// use it refuses with a reason. And descriptions, which are read with more libraries and refused by Error.
+// Fuzzes the decoder of compressed animations: indexes of packed fields and texture chunks, which it refuses with a
+// reason and without exceptions. Also fuzzes descriptions, which need more libraries and are refused by Error.
 #include <zlib.h>
 
 #include "host/fields/codec/byte_writer.h"
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-/// Of a few texels, by one of the coders, over a pyramid or a basis.
+/// Returns a chunk of a few texels by one of the coders, over a pyramid or a basis.
 std::vector<std::uint8_t> small_chunk(ImageCoder coder, bool has_basis) {
   ChunkSource source;
   source.width = 21;
@@ -54,7 +54,7 @@ void decode_index(std::span<const std::uint8_t> bytes) {
   MULTUM_CHECK(end <= index->file_bytes());
 }
 
-/// With the checksum that the rest needs: mutations would hardly ever find it.
+/// Decodes an index after correcting its checksum, which mutations would almost never match.
 void decode_mended_index(std::vector<std::uint8_t> bytes) {
   std::string problem;
   const auto needed = PackedIndex::bytes_needed(bytes, problem);
@@ -66,7 +66,7 @@ void decode_mended_index(std::vector<std::uint8_t> bytes) {
 }
 
 void decode_chunk(std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t kTexelsMax = 1 << 12;  // of one texture: larger ones are slow, not different
+  constexpr std::size_t kTexelsMax = 1 << 12;  // per texture; larger ones are slow and show nothing new
   std::string problem;
   ByteReader reader(bytes);
   const auto format = read_chunk_format(reader, problem);
@@ -80,7 +80,7 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   const auto texture = chunk->texture(chunk->sample_count() - 1);
   MULTUM_CHECK(texture.size() == 3 * format->width * format->height);
   mip_levels(format->width, format->height, texture);
-  // What a player asks for: images by themselves, a sum of them, all within limits.
+  // A player's requests: single images and a sum of them, all within limits.
   MULTUM_CHECK(chunk->image(chunk->plan().image_count() - 1).size() == texture.size());
   MULTUM_CHECK(chunk->image_sum(0).size() == texture.size());
   bool ran_out = false;
@@ -89,7 +89,7 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   MULTUM_CHECK(limited == nullptr || limited->memory_bytes() <= chunk->memory_bytes() / 2);
 }
 
-/// 3 views by 2 lights of two objects, one of them moved; a layer that varies with both, one that is unseen at some.
+/// Returns 3 views by 2 lights of two objects, one of them moving; one layer varies with both, one is sometimes unseen.
 FieldDescription small_description() {
   FieldDescription description;
   InferredManifest& field = description.field;
@@ -121,7 +121,7 @@ FieldDescription small_description() {
   return description;
 }
 
-/// A description's text by itself, which mutations reach: behind zlib's checksum they would not.
+/// Returns a description's text without zlib: mutations of the compressed form would only break its checksum.
 std::string description_text(const std::vector<std::uint8_t>& section) {
   ByteReader reader(section);
   std::string text(reader.number(1 << 20), '\0');
@@ -142,7 +142,7 @@ std::vector<std::uint8_t> packed_text(const std::vector<std::uint8_t>& text) {
   return writer.written();
 }
 
-/// What is not refused fits together as whoever plays the field takes it to.
+/// Checks that an accepted description is consistent, as players assume.
 void read_description(std::span<const std::uint8_t> bytes) {
   fuzz::may_refuse([&] {
     const FieldDescription description = decode_description(bytes);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A decoder that has lost its mind: what follows the chosen reader is its answer to "open", and its pixels. Everything
-// that reads pictures goes on from there: sizes, bands, encodings, heights, colours, weights, Cryptomatte.
+// Simulates a corrupted decoder: the bytes after the reader's choice are its answer to "open", and its pixels. They go
+// through everything that reads pictures: sizes, bands, encodings, heights, colours, weights, Cryptomatte.
 #include <algorithm>
 #include <cstring>
 #include <numeric>
@@ -25,7 +25,7 @@ class MadFile : public ImageFile {
  public:
   MadFile(std::string_view answer, std::string_view pixels) : pixels_(pixels) {
     description_ = parse_answer(kAsked, answer, parse_open_answer);
-    // Pictures of any size are read elsewhere; here they would only cost time.
+    // Only small pictures: large ones would take time and are tested elsewhere.
     for (const ImagePart& part : description_.parts)
       if (part.width > 512 || part.height > 512 || part.channel_count() > 80)
         check_described(kAsked.path, description_, 1);

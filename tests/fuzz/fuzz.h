@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared parts of all fuzzers. A fuzzer is a file NAME_fuzz.cpp with the two functions below: the first is libFuzzer's,
-// and is also called by fuzz_driver.cpp, a short deterministic run for the tests. An input that has several readers
-// begins with a byte that chooses. A reader may refuse by Error; any other exception ends the fuzzer and is a finding.
+// Shared parts of all fuzzers. A fuzzer is a file NAME_fuzz.cpp with the two functions below. The first is the entry
+// point of libFuzzer; fuzz_driver.cpp also calls it, in a short deterministic run for the tests. If there are several
+// readers, the first byte of an input chooses one. A reader may refuse by Error; any other exception is a finding.
 #pragma once
 
 #include <cstddef>
@@ -16,18 +16,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace multum::fuzz {
 
-/// Inputs that are read to their end, made by the project's own writers: what mutation starts from. The first byte is
-/// the reader's.
+/// Returns inputs that are read completely, made by the project's own writers, from which mutation starts. The first
+/// byte chooses the reader.
 std::vector<std::string> seeds();
 
-/// The input as a file in memory, where there is such a folder; the same path each time. `name`: as "input.gltf".
+/// Writes the input to a file, in memory if possible, with the same path each time. `name`: such as "input.gltf".
 std::string input_file(const char* name, std::string_view bytes);
-/// What is in a file that a seed's writer has made.
+/// Returns the contents of a file that a seed's writer has made.
 std::string file_bytes(const std::string& path);
-/// Of the process; gone with it.
+/// Returns the process's temporary folder, which is removed with the process.
 const std::string& scratch_folder();
 
-/// Which of `count` readers, and the rest of the input. Empty input: the first one.
+/// The chosen one of `count` readers, and the rest of the input. An empty input chooses the first reader.
 struct Input {
   unsigned kind;
   std::string_view bytes;
@@ -38,7 +38,7 @@ template <typename Body>
 void may_refuse(const Body& body) {
   try {
     body();
-  } catch (const Error&) {  // the only way to say no
+  } catch (const Error&) {  // the only accepted kind of refusal
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a fuzzer without libFuzzer, under any compiler: its seeds, the inputs of findings that were mended, and
-// mutations of both that depend on a printed seed alone. Coverage does not guide it: tools/fuzz does that.
+// Runs a fuzzer without libFuzzer, with any compiler, on its seeds, on inputs of fixed findings, and on mutations of
+// both. The mutations depend only on a printed seed. Coverage does not guide this run; it guides tools/fuzz.
 //   fuzz_NAME FOLDER_OF_FINDINGS [SECONDS] [SEED]
 #include <algorithm>
 #include <chrono>
@@ -38,12 +38,12 @@ class Mutator {
         break;
       case 2: absurd_number(input, at); break;
       case 3: input.erase(at, below(64)); break;
-      case 4: {  // an attribute bomb: the same piece many times
+      case 4: {  // an attribute bomb: one piece repeated many times
         const std::string piece = input.substr(at, 1 + below(128));
         for (std::size_t left = below(100); left > 0 && input.size() < kSizeMax; --left) input.insert(at, piece);
         break;
       }
-      default: {  // a piece from elsewhere
+      default: {  // a piece of another place
         const std::string piece = input.substr(below(input.size()), 1 + below(32));
         input.replace(at, std::min(piece.size(), input.size() - at), piece);
       }
@@ -82,7 +82,7 @@ int drive(const std::string& findings, double seconds, std::uint64_t seed) {
   std::uint64_t count = 0;
   for (; std::chrono::duration<double>(Clock::now() - start).count() < seconds; ++count)
     try_input(mutator.mutate(inputs[mutator.below(inputs.size())]));
-  std::printf("%zu seeds, %zu findings of before, %llu mutations of seed %llu: none crashed\n", seed_count,
+  std::printf("%zu seeds, %zu earlier findings, %llu mutations with seed %llu: no crash\n", seed_count,
               inputs.size() - seed_count, static_cast<unsigned long long>(count),
               static_cast<unsigned long long>(seed));
   return inputs.empty() ? 1 : 0;

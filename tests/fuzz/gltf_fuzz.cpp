@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models that `multum gltf` reads and writes again: all but the decoding of images and their fit. What is written must
-// be read again, with buffer views that lie where they say.
+// Fuzzes models that `multum gltf` reads and writes, without decoding and fitting of images. The written model must be
+// readable, with buffer views in the right places.
 #include <fmt/format.h>
 
 #include "host/delivery/gltf/glb_layout.h"
@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* kNames[] = {"input.gltf", "input.glb"};
 
-// Two materials of one image beside others that use it too, an extension that is not known, sparse accessors, several
-// buffers, a node with a skin; of images the beginning alone is looked at.
+// Two materials that share one image with other users, an unknown extension, sparse accessors, several buffers, a node
+// with a skin. Only the beginning of each image is read.
 constexpr char kModel[] =
     R"({{"asset":{{"version":"2.0"}},"extensionsUsed":["ACME_x","KHR_texture_transform"],"materials":[)"
     R"({{"normalTexture":{{"index":0,"scale":2}},"occlusionTexture":{{"index":1}},"pbrMetallicRoughness":)"
@@ -66,7 +66,7 @@ void rewrite(const GltfAsset& asset, bool has_lobes) {
   MULTUM_CHECK(again.array("materials").size() == asset.array("materials").size());
   for (const auto& [view, content] : rewritten.contents)
     MULTUM_CHECK(again.view_bytes(view).size() == content.byte_count);
-  // Whatever else has a place in the same bytes has the same bytes there.
+  // Everything else that refers to the same bytes still finds them there.
   for (std::size_t view = 0; view < asset.array("bufferViews").size(); ++view) {
     const GltfJson& old = asset.array("bufferViews").at(view);
     if (rewritten.contents.contains(view) || !asset.buffers[asset.index(old, "buffer", "buffers")]) continue;
@@ -88,7 +88,7 @@ std::vector<std::string> fuzz::seeds() {
   std::vector<std::string> seeds;
   for (const std::string& model : models) {
     const std::size_t kind = seeds.size();
-    convert(fuzz::input_file(kNames[kind], model));  // from what is refused nothing would start
+    convert(fuzz::input_file(kNames[kind], model));  // a refused seed would be useless
     seeds.push_back(static_cast<char>(kind) + model);
   }
   return seeds;
@@ -103,7 +103,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::may_refuse([&] {
     try {
       convert(path);
-    } catch (const nlohmann::json::exception&) {  // convert_gltf() says by Error that the JSON is not as glTF has it
+    } catch (const nlohmann::json::exception&) {  // for invalid JSON of glTF, convert_gltf() throws Error
     }
   });
   return 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the service takes from requests: bodies of JSON, queries, paths, addresses; and its settings file.
-// tests/service/fault_injection/fuzz.py sends whole requests to a running one.
+// Fuzzes what the service reads from requests: JSON bodies, queries, paths, addresses; and its settings file.
+// tests/service/fault_injection/fuzz.py sends whole requests to a running service.
 #include <nlohmann/json.hpp>
 
 #include "host/farm/service/dispatch/service_settings.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks what must hold of every mesh that was read.
+// Checks the properties of every mesh that was read.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes of glTF, whole and by object, as multum-decode reads them; what it answers, as who asked it takes that; and
-// the materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten times as long as all
-// else here.
+// Fuzzes meshes of glTF, whole and by object, as multum-decode reads them; multum-decode's answers, as its client reads
+// them; and materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten times as long as
+// everything here.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ std::string glb() {
 
 void read_materials(const std::string& path) { read_gltf_materials(path); }
 
-// An answer, and the arrays behind it as far as there are bytes: what follows them is zero.
+// Reads an answer, and the arrays after it as far as there are bytes; the rest is zero.
 template <typename Meshes>
 void take(std::string_view bytes) {
   const AskedFile asked = {"fuzz.glb", "assimp", 1u << 20};
@@ -75,9 +75,9 @@ constexpr Reader kReaders[] = {{"input.gltf", fuzz::read_whole},   {"input.glb",
                                {"input.gltf", read_materials},     {"input.glb", read_materials}};
 constexpr unsigned kReaderCount = std::size(kReaders), kAnswerKinds = 2;
 
-// What multum-decode answers, without its first byte, and what it puts into the memory.
+// Returns multum-decode's answer without its first byte, and the bytes that it writes into shared memory.
 std::string answer_of(DecodingRequest kind) {
-  constexpr std::size_t kMemory = 2048;  // bytes, more than the seed's arrays take
+  constexpr std::size_t kMemory = 2048;  // bytes, more than the seed's arrays need
   MeshDecoder decoder;
   SharedMemory memory;
   std::string answer =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes of OBJ, whole and by object, as multum-decode reads them.
+// Fuzzes meshes of OBJ, whole and by object, as multum-decode reads them.
 #include "tests/fuzz/mesh_checks.h"
 
 namespace multum {

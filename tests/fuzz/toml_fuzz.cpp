@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that people write: manifests of bakes, jobs of texture inference, scenes; and what a killed bake has left. A
-// reader of another such file is another line of kReaders.
+// Fuzzes readers of files that people write: manifests of bakes, jobs of texture inference, scenes; and of files that a
+// killed bake leaves. kReaders has a row for each reader.
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -30,7 +30,7 @@ void read_left_rows(const std::string& path) {
   }
 }
 
-// Records of three rows of level 1, as a killed bake leaves them.
+// Returns records of three rows of level 1, as a killed bake leaves them.
 std::string left_rows() {
   const std::string output = fuzz::scratch_folder() + "/seed.ndf.exr";
   const std::vector<unsigned char> bytes(std::size_t{16} * 8, 1);
@@ -126,7 +126,7 @@ direction = [0.3, 0.8, 0.5]
 [environment]
 file = "sky.exr"
 )";
-// Structure that counts (host/foundation/toml/toml_limits.h), and what looks like it and does not.
+// Structure that counts towards the limits (host/foundation/toml/toml_limits.h), and text that only looks like it.
 constexpr char kNested[] = R"([[a.b]]
 c.d = [[1, {e.f = "x.[{", g = []}], '''y]'''] # h.i = [[
 "j.k" = """m" "" \\"""
@@ -137,7 +137,7 @@ constexpr char kMeasured[] = "[[material]]\nname = \"metal\"\nbrdf = \"measured\
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
-  std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts ended the program
+  std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts once ended the program
   for (int i = 1; i < 32'000; ++i) deep_key += ".a";
   for (int i = 0; i < 300; ++i) deep_array += i % 2 == 0 ? "[" : "{b.c = ";
   return {std::string(1, '\0') + kManifest,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of kernels on random inputs that RapidCheck shrinks when they fail. The seed is fixed, so that every run
-// is the same; RC_PARAMS="seed=N max_success=3000" in the environment takes another, and what failed prints its own.
+// Properties of kernels on random inputs, which RapidCheck shrinks after a failure. The seed is fixed, so every run is
+// the same. RC_PARAMS="seed=N max_success=3000" in the environment sets another; a failure prints its own.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -28,7 +28,7 @@ namespace {
 using testing::decades;
 using testing::test_device;
 
-// A direction of the whole sphere, the poles and the equator among them often.
+// Generates directions of the whole sphere, often the poles and the equator.
 rc::Gen<glm::dvec3> directions() {
   return rc::gen::map(rc::gen::pair(rc::gen::oneOf(rc::gen::inRange(0, 1801), rc::gen::element(0, 900, 1800)),
                                     rc::gen::inRange(0, 3600)),
@@ -46,7 +46,7 @@ EmTexel random_texel(int kappa_decades) {
   return texel;
 }
 
-// Whatever the start: shares sum to 1, no r is longer than 1, and first moments are the normals' own.
+// For any start: shares sum to 1, no r is longer than 1, and first moments equal those of the normals.
 RC_GTEST_PROP(EmProperty, MomentsAreKept, ()) {
   const EmTexel texel = random_texel(6);
   EmSettings settings;
@@ -69,7 +69,7 @@ RC_GTEST_PROP(EmProperty, MomentsAreKept, ()) {
   }
 }
 
-// One E-step has nothing that amplifies; exponents of kappa 100 carry 100 * 2.4e-7.
+// A single E-step amplifies no error; exponents of kappa 100 have an error of 100 * 2.4e-7.
 RC_GTEST_PROP(EmProperty, OneStepEqualsTheReference, ()) {
   const EmTexel texel = random_texel(2);
   EmSettings settings;
@@ -79,14 +79,15 @@ RC_GTEST_PROP(EmProperty, OneStepEqualsTheReference, ()) {
   RC_ASSERT(worst.value() <= 5e-5);
 }
 
-// Against the formula in double, at any lobe, exponent and direction; rounding of (a r, a) is 1.2e-7 of a spread.
+// Compares with the formula in double, for any lobe, exponent and direction. Rounding of (a r, a) is 1.2e-7 of a
+// spread.
 RC_GTEST_PROP(ShadingProperty, EqualsItsFormula, ()) {
   const glm::dvec3 mu = *directions();
   const double spread = *rc::gen::oneOf(decades(-6, 0), rc::gen::element(0.0, 0.5, 1.0)), s = *decades(0, 5);
   const double amplitude = *rc::gen::element(1.0, 0.25, 1.0 / 1024.0);
   const glm::vec4 lobe(glm::dvec4(mu * (1.0 - spread), 1.0) * amplitude);
   const glm::vec4 h(glm::vec3(*directions()), 0.0f);
-  // Near the mean too, where all the light is.
+  // Also tests near the mean, where most of the light is.
   const glm::vec4 near(glm::vec3(glm::normalize(mu + 0.5 / std::sqrt(s) * glm::dvec3(h))), 0.0f);
   const double peak = reference::product_blinn_phong(s, spread, 0.0);
   for (const double value : shade_lobe(test_device(), lobe, static_cast<float>(s), {h, near}))
@@ -123,7 +124,7 @@ RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
   RC_ASSERT(steps == 32767.0);
 }
 
-// Every block of a row of any width, of values of either sign over forty decades.
+// Every block of a row of any width, with values of either sign over forty decades.
 RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
   const RowBlocks blocks(*rc::gen::inRange(1, 400));
   std::vector<float> row(static_cast<std::size_t>(blocks.block_count(0)));
@@ -141,7 +142,7 @@ RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
     }
 }
 
-// Of a normal of any direction and length: slopes of at most 20, no variance below 0, and the normal as it was.
+// For a normal of any direction and length: slopes of at most 20, no variance below 0, and an unchanged normal.
 RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
   const double length = *rc::gen::oneOf(decades(-30, 0), rc::gen::element(0.0, 0.5, 1.0, 1.0 + 0x1p-20));
   const bool shortened = *rc::gen::arbitrary<bool>();
@@ -156,7 +157,7 @@ RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
   for (int k = 0; k < 3; ++k) RC_ASSERT(m[static_cast<std::size_t>(MULTUM_MOMENT_NORMAL + k)] == n[k]);
 }
 
-// Any moments, those that no normals have among them, at any half vector: never below 0, never above the BRDF's peak.
+// For any moments, even impossible ones, and any half vector: never below 0, never above the BRDF's peak.
 RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
   const auto any = [](double low) {
     return static_cast<float>(*rc::gen::oneOf(decades(-6, 2), rc::gen::element(0.0, 1.0)) *
@@ -171,7 +172,7 @@ RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
   RC_ASSERT(values[0] >= 0.0 && values[0] <= peak * (1.0 + 1e-5));
 }
 
-// Whatever the lobes, sizes and chunks: what lobes get of a texel's colours is all of it.
+// For any lobes, sizes and chunks: the lobes together get all of a texel's colours.
 RC_GTEST_PROP(FeatureProperty, LobesShareOutAllColours, ()) {
   const EmTexel texel = random_texel(6);
   FeatureMap map{*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30), 1, 1, *rc::gen::inRange(1, 9), 1, {}, {}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every numerical case of the kernels holds its bound, and breaks it without its guard: a case that could not fail
-// would say nothing. docs/contributing/STABILITY.md has these cases and no others.
+// Every numerical case of the kernels keeps its bound, and breaks the bound without its guard: a case that could not
+// fail would prove nothing. docs/contributing/STABILITY.md has exactly these cases.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 using testing::test_device;
 
 #ifdef MULTUM_HAS_FIELDS
-// Before the suite below asks for the cases.
+// Registered before the suite below asks for the cases.
 const bool g_has_field_cases = (register_field_cases(), true);
 #else
 const bool g_has_field_cases = false;
@@ -47,7 +47,7 @@ std::string text_of_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Every kernel there is, from the kernels' own text.
+// Returns the names of all kernels, from the kernels' sources.
 std::set<std::string> all_kernels() {
   std::set<std::string> kernels;
   const std::regex head("__kernel void (\\w+)\\(");
@@ -89,7 +89,7 @@ TEST_P(SelftestCases, HoldWithTheirGuardsAndBreakWithout) {
           << c.text.name << " does not launch " << kernel;
     EXPECT_TRUE(verdict.holds()) << c.text.name << ": worst " << error_text(verdict.worst) << " at "
                                  << verdict.worst_input << ", bound " << error_text(c.text.bound);
-    // What a guard is for shows on PoCL; another device's own arithmetic may do without.
+    // PoCL shows the purpose of a guard; the arithmetic of another device may not need it.
     if (!test_device().info().is_cpu) continue;
     EXPECT_TRUE(verdict.can_fail()) << c.text.name << ": without its guard the worst error is "
                                     << tried_text(verdict.without_guard) << ", with its bug "
@@ -104,7 +104,7 @@ TEST(SelftestRegistry, CasesSayWhatTheyAre) {
     EXPECT_TRUE(names.insert(c.text.name).second) << c.text.name << " is there twice";
     EXPECT_EQ(c.text.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-"), std::string::npos) << c.text.name;
     EXPECT_EQ((c.without.empty() ? 0 : 1) + (c.naive ? 1 : 0) + (c.mutation.empty() ? 0 : 1), 1)
-        << c.text.name << " has to show that it can fail, one way";
+        << c.text.name << " must prove in exactly one way that it can fail";
     EXPECT_EQ(fault_of_guards(c.without), "") << c.text.name;
     for (const std::string& text :
          {c.text.formula, c.text.without_guard, c.text.guard, c.text.unit, c.text.bound_reason})
@@ -113,7 +113,7 @@ TEST(SelftestRegistry, CasesSayWhatTheyAre) {
   }
 }
 
-// Cases of one kernel that share an edit would show one thing twice.
+// Two cases of one kernel with the same edit would prove the same fact.
 TEST(SelftestRegistry, EditsAreOneCasesOwn) {
   std::map<std::string, std::string> owners;  // formula and edits, case
   for (const NumericalCase& c : numerical_cases()) {
@@ -121,7 +121,7 @@ TEST(SelftestRegistry, EditsAreOneCasesOwn) {
       std::string key = c.text.formula;
       for (const SourceEdit& edit : edits) key += "\n" + edit.file + "\n" + edit.text + "\n" + edit.replacement;
       const auto [owner, is_new] = owners.emplace(key, c.text.name);
-      EXPECT_TRUE(is_new) << c.text.name << " is shown by the edit of " << owner->second;
+      EXPECT_TRUE(is_new) << c.text.name << " uses the same edit as " << owner->second;
     };
     for (const SourceEdit& guard : c.without) claim({guard});
     if (!c.mutation.empty()) claim(c.mutation);
@@ -151,11 +151,11 @@ TEST(SelftestRegistry, IsWhatThePageHas) {
   const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/contributing/STABILITY.md");
   std::vector<std::string> names;
   for (const NumericalCase& c : numerical_cases()) names.push_back(c.text.name);
-  // The page has them by kernel.
+  // The page lists them by kernel.
   std::vector<std::string> of_page = cases_of_page(page.substr(0, page.find("\n## movmf_shading.glsl")));
   std::sort(names.begin(), names.end());
   std::sort(of_page.begin(), of_page.end());
-  EXPECT_EQ(of_page, names) << "docs/contributing/STABILITY.md says how it is made again";
+  EXPECT_EQ(of_page, names) << "docs/contributing/STABILITY.md says how to make the page again";
 }
 
 TEST(SelftestRegistry, TopicsNameWhatThereIs) {
@@ -176,7 +176,7 @@ TEST(SelftestRegistry, TopicsNameWhatThereIs) {
   }
 }
 
-// A driver that breaks a guard: the kernel is not what it says.
+// Simulates a driver that breaks a guard: the kernel differs from its source.
 TEST(SelftestRun, NamesABrokenGuard) {
   Device device = Device::open("");
   device.edit_kernels({{"probe_numerics", "isnan(x) ? 1.0f : 0.0f", "0.0f"}});

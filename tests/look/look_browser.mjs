@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tests of the page of multum look share: programs in a folder of their own, headless Chromium, open pages. Ends
-// with exit code 77, skipped, where something is not there.
+// Shared parts of the tests of multum look's page: programs in a folder of their own, headless Chromium, open pages.
+// Exits with code 77 (skipped) if something is missing.
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import os from "node:os";
@@ -19,7 +19,7 @@ export async function startLook(bin) {
   const folder = mkdtempSync(path.join(os.tmpdir(), "multum-look-"));
   const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new",
     "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
-  const complaints = []; // errors of pages, and requests to others
+  const complaints = []; // errors of pages, and requests to other hosts
   const inFolder = (name) => path.join(folder, name);
   const plainPage = async ({ before, ...options }) => {
     const context = await browser.newContext(options);
@@ -40,7 +40,7 @@ export async function startLook(bin) {
     open: async (file, hash = "", { width = 344, height = 700, ...more } = {}) => {
       const page = await plainPage({ viewport: { width, height }, ...more });
       await page.goto(pathToFileURL(inFolder(file)).href + hash);
-      // By a timer: some pages of tests have no frames.
+      // Polls by a timer, because some test pages have no animation frames.
       await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined, undefined, { polling: 50 });
       return page;
     },
@@ -53,12 +53,12 @@ export async function startLook(bin) {
 
 export const settled = (page) => page.evaluate(() => new Promise((resolve) =>
   requestAnimationFrame(() => requestAnimationFrame(resolve))));
-/** What the page says of its map, which follows with the next frame. */
+/** Returns the page's text about its map, which appears with the next frame. */
 export async function factsOf(page) {
   await page.evaluate(() => globalThis.multumLook.waiting);
   return page.textContent("#facts");
 }
-/** Puts `hash` into the page's address; the page has heard of it when this is done. */
+/** Puts `hash` into the page's address, and waits until the page has read it. */
 export const goTo = (page, hash) => page.evaluate((text) => new Promise((resolve) => {
   if (location.hash.slice(1) === text) return resolve();
   addEventListener("hashchange", () => resolve(), { once: true });
@@ -67,7 +67,7 @@ export const goTo = (page, hash) => page.evaluate((text) => new Promise((resolve
 export const viewOf = (page) => page.evaluate(() => ({ ...globalThis.multumLook.view }));
 export const pixelsOf = (page) => page.evaluate(() => document.getElementById("canvas").toDataURL());
 
-/** What the page says of files that are dropped onto it, [name, bytes] each. */
+/** Drops files, [name, bytes] each, onto the page and returns its message. */
 export const drop = (page, ...files) => page.evaluate(async (list) => {
   await globalThis.multumLook.drops.take(list.map(([name, base64]) =>
     new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name)));

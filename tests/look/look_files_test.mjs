@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of multum look and baked files: .ndf.exr of every kind decoded in its worker and drawn as multum look's page
-// of the same file, pages of several maps, files that are damaged or hostile. Exit code 77: skipped.
+// Baked files on multum look's page: .ndf.exr files of every kind, decoded in the page's worker and drawn like the page
+// that multum look makes of the same file; pages of several maps; damaged and hostile files. Exit code 77: skipped.
 //
 //   node look_files_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -13,18 +13,19 @@ import { lowContrasts } from "../service/page_contrast.mjs";
 const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
-// Small, since each picture takes a processor a while.
+// A small window, because drawing a picture takes long on a processor.
 const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240, height: 600, ...more });
 mkdirSync(screenshots, { recursive: true });
-// Of 255: the page of multum look has lobes in BC5 and normals in 8 bits, the decoded file halfs and full normals.
+// In units of 1/255: multum look's page has lobes in BC5 and 8-bit normals; the decoded file has half
+// floats and full normals.
 const CLOSE = 8;
 const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
-const SAME_MOST = 0.5; // beside lobes that are halfs there too
+const SAME_MOST = 0.5; // compared with lobes that are half floats there too
 const bake = (name, ...words) => run("multum", "bake", "map_normal.png", "-o", name, "--no-measure", "-q", ...words);
 const bytesOf = (name) => readFileSync(inFolder(name));
 const dropped = (page, ...names) => drop(page, ...names.map((name) => [name, bytesOf(name)]));
 
-/** The first bytes of `file` where the header's attribute `name` of type `type` has its value, from `from` on. */
+/** Returns the offset of the value of the header attribute `name` of type `type` in `file`, searching from `from`. */
 function valueAt(file, name, type, from = 0) {
   const at = file.indexOf(Buffer.from(`${name}\0${type}\0`, "latin1"), from);
   assert.ok(at >= 0, `no attribute ${name}`);
@@ -32,7 +33,7 @@ function valueAt(file, name, type, from = 0) {
 }
 const changed = (file, change) => { const bytes = Buffer.from(file); return change(bytes) ?? bytes; };
 
-/** Mean difference of two pages' pictures at a view, of 255, and the share within CLOSE. */
+/** Returns the mean difference of two pages' pictures at a view, of 255, and the share of values within CLOSE. */
 async function apart(one, other, hash) {
   for (const page of [one, other]) {
     await goTo(page, hash);
@@ -71,7 +72,7 @@ try {
   run("multum", "look", "other.ndf.exr", "map.ndf.exr", "--no-open", "-o", "both.html");
   run("multum", "export", "map.ndf.exr", "--lobes", "--texels", "rgba16f", "-o", "halves.ktx2");
 
-  // What the command refuses.
+  // Refusals of the command.
   const refused = (words, ...more) => assert.throws(() => run("multum", "look", ...more, "--no-open", "-o", "no.html"),
     (error) => error.status !== 0 && error.stderr.includes(words) && !existsSync(inFolder("no.html")));
   bake("rest.ndf.exr", "--first-level", "1");
@@ -82,7 +83,7 @@ try {
   refused("is not the file that other.ndf.exr was baked from", "other.ndf.exr", "--source", "map_normal.png",
     "--same-source");
 
-  // A page of two maps: chosen by the list, kept by the address.
+  // A page of two maps: the list chooses one, and the address keeps the choice.
   const both = await open("both.html");
   assert.match(await factsOf(both), /96 x 96, 2 lobes/);
   assert.deepEqual(await both.locator("#map option").allTextContents(), ["other.ndf.exr", "map.ndf.exr"]);
@@ -96,8 +97,8 @@ try {
   assert.match(await factsOf(kept), /128 x 128, 4 lobes/);
   await kept.evaluate(() => { location.hash = "map=40"; });
   await settled(kept);
-  assert.equal((await viewOf(kept)).map, 1, "an address of a stranger is clamped");
-  // The same as the page of that map alone, which reads the map and not level 0.
+  assert.equal((await viewOf(kept)).map, 1, "values of a foreign address must be clamped");
+  // The picture equals that of the page of this map only, which reads the map instead of level 0.
   const page = await open("map.html");
   const same = await apart(page, kept, "left=export&right=lobes&map=1");
   assert.ok(same.mean < 0.05, `maps of several: ${same.mean}`);
@@ -117,9 +118,9 @@ try {
       close).toFixed(1)} %; beside halfs ${same.mean.toFixed(3)}`);
     assert.ok(brightest > 100, `${hash} is dark`);
     assert.ok(mean <= MEAN_MOST && close > CLOSE_LEAST, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
-    assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} beside halfs`);
+    assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} against half floats`);
   }
-  // Its lobes are those of multum export --texels rgba16f, but for what sums in floats and in doubles differ by.
+  // The lobes equal those of multum export --texels rgba16f, except for the rounding of float and double sums.
   const [count, far] = await other.evaluate((base64) => {
     const halvesOf = (file) => file.levels.map((bytes) => new Uint16Array(bytes.slice().buffer));
     const value = (bits) => (bits & 0x8000 ? -1 : 1) * ((bits & 0x7c00) === 0 ? (bits & 1023) * 2 ** -24
@@ -130,8 +131,8 @@ try {
     return [pairs.length, pairs.filter((one) => one > 2 ** -16).length];
   }, bytesOf("halves.ktx2").toString("base64"));
   assert.equal(count, 4 * 4 * (64 * 64 * 4 - 1) / 3);
-  assert.ok(far < count / 1000, `${far} of ${count} halfs are off`);
-  // It is one of the list by now; the page's own maps are still there.
+  assert.ok(far < count / 1000, `${far} of ${count} half floats differ`);
+  // The dropped file is now in the list, next to the page's own maps.
   assert.equal(await other.locator("#map option").last().textContent(), "map.ndf.exr (dropped)");
   await other.selectOption("#map", "0");
   assert.match(await factsOf(other), /96 x 96, 2 lobes/);
@@ -139,7 +140,7 @@ try {
   await other.selectOption("#map", "dropped");
   assert.match(await factsOf(other), /128 x 128, 4 lobes/);
 
-  // Every compression that is read gives the same.
+  // Every supported compression gives the same texture.
   const texture = () => other.evaluate(async () => {
     const { file, means } = globalThis.multumLook;
     const bytes = new Uint8Array(await new Blob([...file.levels, means[0].texels]).arrayBuffer());
@@ -154,7 +155,7 @@ try {
     assert.equal(await dropped(other, "packed.ndf.exr"), "", compression);
     assert.equal(await texture(), hash, compression);
   }
-  // Halfs, floats and colours.
+  // Half floats, floats and colours.
   for (const words of [["-d", "half"], ["-d", "float"], ["--albedo", "map_albedo.png"]]) {
     bake("kind.ndf.exr", ...words, "--force");
     assert.equal(await dropped(other, "kind.ndf.exr"), "", words.join(" "));
@@ -162,7 +163,8 @@ try {
     assert.ok(mean <= 1, `${words}: mean ${mean}`);
   }
 
-  // Files without level 0 wait for their map, whatever the order, and know it; green is turned up where it is down.
+  // Files without level 0 wait for their map, in any order, and recognise it. A green channel that points down is
+  // inverted.
   for (const green of ["up", "down"]) {
     bake("one.ndf.exr", "--lobes", "1", "--first-level", "2", "--green", green, "--force"); // a file of one part
     bake("full.ndf.exr", "--green", green, "--force");
@@ -175,25 +177,25 @@ try {
     assert.equal(await dropped(other, "map_normal.png"), "");
     assert.match(await factsOf(other), /128 x 128, 1 lobe\./);
     const { mean } = await apart(full, other, "left=mip&split=1");
-    console.log(`  a map of 8 bits whose green is ${green}: mean difference ${mean.toFixed(3)} of 255`);
+    console.log(`  8-bit map with green ${green}: mean difference ${mean.toFixed(3)} of 255`);
     assert.ok(mean < MEAN_MOST, `green ${green}: mean ${mean}`);
   }
   assert.equal(await dropped(other, "map_normal.png", "rest.ndf.exr"), "");
   assert.match(await factsOf(other), /128 x 128, 4 lobes/);
   assert.ok((await apart(halves, other, "left=lobes&split=1")).mean < 0.5);
 
-  // What it does not read is refused in words, and what was shown stays.
+  // An unsupported file is refused with a message, and the shown picture stays.
   bake("piz.ndf.exr", "--compression", "piz");
   bake("moments.ndf.exr", "--ndf", "moments");
   const shown = await pixelsOf(other);
   const good = bytesOf("map.ndf.exr");
   const windowAt = valueAt(good, "dataWindow", "box2i"), tilesAt = valueAt(good, "tiles", "tiledesc");
   const widthAt = valueAt(good, "multum:mapWidth", "int"), channelsAt = valueAt(good, "channels", "chlist");
-  // After the empty header that ends the last one's: the table of the finest level's tile.
+  // The table of the finest level's tile follows the empty header, which ends the list of headers.
   const tableOf = (file) => file.lastIndexOf(Buffer.from("periodic,periodic\0\0", "latin1")) + 19;
   const tileOf = (file) => Number(file.readBigUInt64LE(tableOf(file)));
   const [tableAt, tileAt] = [tableOf(good), tileOf(good)];
-  // Behind the tile's head and a row of the lobes' numbers, which are halfs.
+  // After the tile's head and a row of lobe values, which are half floats.
   const valuesAt = tileOf(plain) + 24 + 2 * 128;
   const bomb = deflateSync(Buffer.alloc(50e6));
   assert.equal(good.readInt32LE(tileAt), 0, "the first tile's part");
@@ -235,7 +237,7 @@ try {
     ["NaN in channel finest.normalX.X", changed(plain, (b) => { b.writeFloatLE(NaN, valuesAt); })],
     ["5 in channel finest.normalX.X", changed(plain, (b) => { b.writeFloatLE(5, valuesAt); })],
     ["a tile of more than", changed(good, (b) => {
-      const begin = b.length; // a tile behind all others that unpacks to 50 MB
+      const begin = b.length; // a tile after all others that decompresses to 50 MB
       b.writeBigUInt64LE(BigInt(begin), tableAt);
       const head = Buffer.alloc(24);
       head.writeInt32LE(bomb.length, 20);
@@ -249,7 +251,7 @@ try {
   assert.equal(await pixelsOf(other), shown);
   assert.equal(await other.textContent("#reading"), "");
 
-  // By its button, small, light and dark.
+  // Opens a file by the page's button: small window, light and dark.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("both.html", "", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     await small.setInputFiles("#open", [inFolder("map.ndf.exr")]);

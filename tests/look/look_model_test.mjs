@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models on the page of multum look: a square drawn as a model beside the plane that is met by rays, a ball, a model's
-// own normal map, files that are damaged or hostile. Exit code 77: skipped.
+// Models on multum look's page: a square model compared with the plane that the page draws by rays, a ball, a model's
+// own normal map, and damaged or hostile files. Exit code 77: skipped.
 //
 //   node look_model_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -13,7 +13,7 @@ const look = await startLook(bin);
 const { inFolder, run, complaints, open } = look;
 mkdirSync(screenshots, { recursive: true });
 const MEAN_MOST = 0.5; // of 255, within the square
-const HALF_SIDE = 0.6 / Math.SQRT2; // of a square whose corners are the page's radius of a model away
+const HALF_SIDE = 0.6 / Math.SQRT2; // of a square whose corners are at the radius that the page gives a model
 
 /** A binary glTF: `vertices` are [position, normal or null, texture coordinates], `image` the normal map's bytes. */
 function glb(vertices, indices, { image = null, change = () => {} } = {}) {
@@ -51,7 +51,7 @@ function glb(vertices, indices, { image = null, change = () => {} } = {}) {
   return Buffer.concat([head, body]);
 }
 
-/** The glTF in JSON of a binary one, and its buffer; `change` may change both. */
+/** Returns the JSON of a binary glTF, and its buffer; `change` may change both. */
 function gltf(bytes, change = () => {}) {
   const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
   const parts = { json, buffer: bytes.subarray(28 + length, 28 + length + json.buffers[0].byteLength) };
@@ -60,7 +60,7 @@ function gltf(bytes, change = () => {}) {
   return [["model.gltf", Buffer.from(JSON.stringify(json))], ["the buffer.bin", parts.buffer]];
 }
 
-// Where the page's plane has the same coordinates, but for whole ones: u = x, v = -y. glTF's z is the page's -y.
+// Coordinates equal those of the page's plane, up to whole numbers: u = x, v = -y. glTF's z is the page's -y.
 const square = (options) => glb([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, z]) =>
   [[7 * x, 2, 7 * z], options?.isFlat ? null : [0, 1, 0], [HALF_SIDE * x, HALF_SIDE * z - 0.76]]),
 [0, 2, 1, 0, 3, 2], options);
@@ -77,13 +77,13 @@ function ball(rings = 32) {
         indices.push(corner, corner + 2 * rings + 1, corner + 1, corner + 1, corner + 2 * rings + 1,
           corner + 2 * rings + 2);
     }
-  return glb(vertices, indices, { change: (json) => { // two of one mesh, without names, one smaller and beside it
+  return glb(vertices, indices, { change: (json) => { // two unnamed nodes of one mesh, one smaller and to the side
     json.nodes = [{ mesh: 0 }, { mesh: 0, scale: [0.5, 0.5, 0.5], translation: [1.4, 0.3, 0] }];
     json.scenes[0].nodes = [0, 1];
   } });
 }
 
-/** Mean difference from the picture `url`, of 255, where the square is, and how bright that is at most. */
+/** Returns the mean difference from the picture `url` inside the square, of 255, and the largest brightness there. */
 const apart = (page, url) => page.evaluate(async ([want, half]) => {
   const image = new Image();
   image.src = want;
@@ -134,14 +134,14 @@ try {
     assert.equal(await drop(page, ["square.glb", square({ isFlat })]), "");
     for (const [i, hash] of views.entries()) {
       const drawn = await at(hash);
-      assert.notEqual(drawn, planes[i], "beside the square there is nothing");
+      assert.notEqual(drawn, planes[i], "around the square the picture must be empty");
       const { mean, count, brightest } = await apart(page, planes[i]);
       console.log(`  ${hash}: mean difference ${mean.toFixed(3)} of 255 over ${count} values`);
       assert.ok(count > 5000 && brightest > 60, `${count} values, ${brightest}`);
       assert.ok(mean <= MEAN_MOST, `${hash}: ${mean}`);
     }
   }
-  // Back to the plane, by keys; the model stays in the list.
+  // Returns to the plane by keys; the model stays in the list.
   await page.focus("#shape");
   await page.keyboard.press("ArrowUp");
   await settled(page);
@@ -151,13 +151,13 @@ try {
   const withMap = await at(views[0]);
   assert.notEqual(withMap, planes[0]);
 
-  // A model's own normal map is drawn where it fits.
+  // A model's own normal map is drawn if it fits.
   assert.equal(await drop(page, ["own.glb", square({ image: readFileSync(inFolder("own_normal.png")) })]), "");
   assert.notEqual(await at(views[0]), withMap);
   run("multum", "testmap", "large", "--size", "160");
   assert.equal(await drop(page, ["large.glb", square({ image: readFileSync(inFolder("large_normal.png")) })]), "");
 
-  // As JSON with files, or with data in itself, it is drawn alike, its own normal map too.
+  // A model in JSON, with separate files or embedded data, is drawn alike, including its own normal map.
   const own = square({ image: readFileSync(inFolder("own_normal.png")) });
   assert.equal(await drop(page, ["own.glb", own]), "");
   const withOwn = await at(views[0]);
@@ -181,7 +181,7 @@ try {
     ["view beyond its buffer", gltf(own, ({ json }) => { json.bufferViews[0].byteLength = 1e9; })],
     ["not in base64", gltf(own, ({ json }) => { json.buffers[0].uri = "data:,abc"; })],
     ["of version 1.0", gltf(own, ({ json }) => { json.asset.version = "1.0"; })],
-    // A picture that belongs to such a model is no map of the page's.
+    // A picture that belongs to such a model is not added to the page's maps.
     ["JSON is damaged", [["colour.png", map], ["model.gltf", Buffer.from("{ \"asset\": ")]]],
     ["names 50%.bin, which was not dropped", gltf(own, ({ json }) => { json.buffers[0].uri = "50%.bin"; })],
   ]) {
@@ -190,7 +190,7 @@ try {
   }
   assert.equal(await at(views[0]), withOwn);
 
-  // What is not read is refused in words; what was drawn stays.
+  // An unsupported file is refused with a message, and the drawn picture stays.
   const good = square(), before = await at(views[0]);
   const odd = (change) => square({ change });
   for (const [words, bytes] of [

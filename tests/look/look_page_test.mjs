@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walks through the page of multum look in headless Chromium: pictures beside multum-view's, every control, keys,
-// touch, the address, lobe textures that are dropped, damaged ones too, 360 px, light and dark. Exit code 77: skipped.
-// look_files_test.mjs has the rest of the files.
+// Walks through multum look's page in headless Chromium: pictures compared with those of multum-view, every control,
+// keys, touch, the address, dropped lobe textures, damaged files, 360 px, light and dark. Exit code 77: skipped.
+// look_files_test.mjs tests the other files.
 //
 //   node look_page_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -15,7 +15,7 @@ const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
 mkdirSync(screenshots, { recursive: true });
-const CLOSE = 8; // of 255: this GL filters blocks and halves with other roundings than llvmpipe
+const CLOSE = 8; // of 255: this GL filters blocks and half floats with other roundings than llvmpipe
 const MEAN_MOST = 1.5;
 
 const open = (hash, more) => look.open("map.html", hash, more);
@@ -33,11 +33,11 @@ try {
     assert.notEqual(await pixels(page), before, `${what} changes no picture`);
   };
 
-  // Pictures beside multum-view's of the same file, map, camera and light.
+  // Pictures compared with multum-view's of the same file, map, camera and light.
   const page = await open("#left=lobes&split=1");
   const [width, height] = await page.evaluate(() => globalThis.multumLook.gl.size);
   const beside = async (file, hash) => {
-    // multum-view's camera and light, where `hash` has no other.
+    // multum-view's camera and light, unless `hash` sets others.
     const defaults = "elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
     await goTo(page, `${defaults}&${hash}`);
     await settled(page);
@@ -107,8 +107,8 @@ try {
   const facts = await factsOf(page);
   assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 
-  // Its error beside the map itself: hardly any where texels are larger than pixels, little of lobes far away, and gone
-  // when the view changes.
+  // The page's error against the map itself: almost 0 where texels are larger than pixels, low for lobes far away, and
+  // removed when the view changes.
   const errors = async (hash) => {
     await goTo(page, hash);
     await settled(page);
@@ -121,12 +121,12 @@ try {
   };
   const [near, far] = [await errors("#distance=-2"), await errors("")];
   assert.ok(near[0] < 3 && near[1] < 3 && near[2] < 1, near);
-  // One evaluation for each lobe: with two taps that were each shaded it was below 0.6.
+  // With one evaluation per lobe. With two taps that were shaded separately, the ratio was below 0.6.
   assert.ok(far[1] < 0.7 * far[0] && far[2] < far[1], far);
   await changes(page, "a view after its error", () => page.locator("#exposure").fill("0"));
   assert.equal(await page.textContent("#error"), "");
 
-  // The address keeps the view; one of a stranger is clamped.
+  // The address keeps the view; values of a foreign address are clamped.
   const kept = await page.evaluate(() => location.hash);
   const again = await open(kept);
   const [one, other] = [await view(page), await view(again)];
@@ -137,13 +137,13 @@ try {
   const odd = await open("#left=%3Cscript%3E&rule=__proto__&split=9e99&lock=1e9&azimuth=NaN&distance=-Infinity&x=abc");
   assert.deepEqual([(await view(odd)).left, (await view(odd)).rule, (await view(odd)).split], ["mip", "unreal", 1]);
 
-  // Files dropped onto it.
+  // Files dropped onto the page.
   assert.equal(await drop(again, ["halves.ktx2", readFileSync(inFolder("halves.ktx2"))]), "");
   assert.equal(await again.evaluate(() => globalThis.multumLook.file.format), 97);
   assert.equal(await drop(again, ["map_normal.png", readFileSync(inFolder("map_normal.png"))]), "");
   const good = readFileSync(inFolder("map.ktx2"));
   const changed = (at, value) => { const bytes = Buffer.from(good); bytes[at] = value; return bytes; };
-  const rough = Buffer.from(good); // a key of the same length
+  const rough = Buffer.from(good); // replaces a key by one of the same length
   rough.write('"meanCosine"   ', good.indexOf('"layersPerLobe"'), "latin1");
   for (const [bytes, words] of [[rough, "found roughness"], [changed(12, 99), "VkFormat 99"],
     [changed(24, 3), "bytes of level"], [changed(32, 200), "layers"], [changed(40, 30), "levels"],
@@ -154,7 +154,7 @@ try {
   }
   assert.equal(await again.locator("#problem").isVisible(), true);
 
-  // Small, by touch, light and dark.
+  // A small window, by touch, light and dark.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     const [scroll, client] = await small.evaluate(() =>
@@ -179,7 +179,7 @@ try {
     assert.deepEqual(await misplaced(narrow), [], `${viewport.width} px`);
   }
 
-  // A lost context is told, and its picture comes back; what was measured meanwhile is not said.
+  // A lost context is reported, and its picture comes back. Errors measured meanwhile are not shown.
   const lost = await open("#left=export&right=lobes");
   const picture = await pixels(lost);
   await lost.click("#measure");
@@ -199,7 +199,7 @@ try {
   await lost.waitForFunction(() => !document.getElementById("measure").disabled);
   assert.doesNotMatch(await lost.textContent("#error"), /noise|cannot/);
 
-  // A tab in the background has no frames, and the page goes on.
+  // A background tab has no animation frames, and the page still works.
   const behind = await open("", { before: () => { globalThis.requestAnimationFrame = () => 0; } });
   await behind.click("#measure");
   await behind.waitForFunction(() => /noise/.test(document.getElementById("error").textContent), undefined,
@@ -207,7 +207,7 @@ try {
   const hidden = await open("", { before: () => Object.defineProperty(document, "hidden", { value: true }) });
   await hidden.getByText("is not timed while this page is in the background").waitFor();
 
-  // Whatever is thrown is said.
+  // Every thrown error is shown.
   assert.deepEqual(complaints, []);
   for (const thrown of [undefined, null, "", {}, new Error("")]) {
     await behind.evaluate((one) => { say(""); setTimeout(() => Promise.reject(one)); }, thrown);
@@ -216,7 +216,7 @@ try {
     assert.match(said, /failed: the browser gives no reason/);
     assert.doesNotMatch(said, /undefined|null|\[object/);
   }
-  complaints.length = 0; // what the test has thrown
+  complaints.length = 0; // errors that the test has thrown itself
 
   const wide = await open("#left=export&right=lobes&distance=0.5", { width: 1280, height: 900 });
   await wide.screenshot({ path: path.join(screenshots, "look.png") });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks at the other pages of multum and its tools in headless Chromium, in narrow windows and at 200 %: nothing
-// is cut, covered or beyond the window, no text reads "undefined", the demo's figures add up. Exit code 77: skipped.
+// Checks the other pages of multum and its tools in headless Chromium, in narrow windows and at 200 %: no part is cut,
+// covered or beyond the window, no text reads "undefined", and the demo's figures add up. Exit code 77: skipped.
 //
 //   node pages_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -25,7 +25,10 @@ async function openPage(file, options) {
   return page;
 }
 
-/** Each chart's bars add up to the stage that its title names, each row of pictures has the columns of the first. */
+/**
+ * Checks that each chart's bars add up to its title's stage, and that rows of pictures have as many columns as the
+ * first.
+ */
 async function checkDemo() {
   const page = await openPage("demo/index.html", { viewport: { width: 1280, height: 800 } });
   const bakes = await page.evaluate(() => [...document.querySelectorAll("svg")].filter((svg) =>
@@ -53,7 +56,7 @@ async function checkDemo() {
   }));
   assert.ok(rows.length >= 3);
   for (const [shown, differences] of rows) {
-    assert.deepEqual(differences, shown); // each difference lies below its picture
+    assert.deepEqual(differences, shown); // each difference is below its picture
     assert.ok(shown.every(({ isAbove }) => isAbove));
   }
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what multum-bench wrote: check_bench_output.py SUBCOMMAND FILE. Never judges a time."""
+"""Checks the output of multum-bench: check_bench_output.py SUBCOMMAND FILE. It does not judge times."""
 import json
 import re
 import sys
@@ -10,7 +10,7 @@ COMPRESSIONS = ("none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz")
 
 
 def parse_result(text, benchmark):
-    """The result, its first part checked: what was run on what."""
+    """Returns the result after checking its first part: what was run, and on which machine."""
     result = json.loads(text)
     assert result["benchmark"] == benchmark, result["benchmark"]
     assert result["command"].startswith(f"multum-bench {benchmark} --") and "json" not in result["command"], result
@@ -29,7 +29,7 @@ def check_spread(spread):
 def check_costs(costs, cores):
     for key in ("wall_s", "cpu_s", "peak_mib", "output_mb"):
         check_spread(costs[key])
-    # Far apart on purpose: libraries and sanitizers decide, not maps of these sizes.
+    # The bounds are wide on purpose: libraries and sanitizers decide the peak, not maps of these sizes.
     assert 1 < costs["peak_mib"]["median"] < 4096, costs
     assert costs["cpu_s"]["median"] <= costs["wall_s"]["median"] * cores + 0.1, costs
 
@@ -94,13 +94,13 @@ def check_infer(text):
         check_spread(solver["solve_ms"])
         check_spread(solver["yardstick_solve_ms"])
         assert solver["yardstick"].startswith("LSCG per colour"), solver
-        # The same steps on the same system: rounding apart, the same texels.
+        # Both solvers take the same steps on the same system: the texels are equal up to rounding.
         assert solver["at_bounds"] == 0 and solver["largest_difference"] < 1e-3, solver
         assert abs(solver["residual"] / solver["yardstick_residual"] - 1) < 1e-3, solver
         assert [product["product"] for product in row["products"]] == ["A", "A^T", "A^T A"]
         for product in row["products"]:
             check_spread(product["ms"])
-            # Blocks are padded: never less than 4 bytes a column and 4 a weight.
+            # Blocks are padded: at least 4 bytes per column and 4 per weight.
             entries = row["normal_entries" if product["product"] == "A^T A" else "entries"]
             assert product["bytes"] > 8 * entries and product["gb_per_s"] > 0, product
         assert len(row["convergence"]) == 8
@@ -114,7 +114,7 @@ def check_infer(text):
 def check_document(text):
     sections = re.split(r"^## ", text, flags=re.MULTILINE)
     assert len(sections) == 6, f"{len(sections) - 1} sections, expected one each: em, bake, scale, load and infer"
-    assert "commit " in sections[0] and " cores, " in sections[0], "the same conditions: said once, at the top"
+    assert "commit " in sections[0] and " cores, " in sections[0], "equal conditions must be stated once, at the top"
     assert re.search(r"`multum-bench document -o docs/\S+ --json em.json --json bake.json", sections[0])
     for name, section in zip(("em", "bake", "scale", "load", "infer"), sections[1:]):
         assert section.count("\nMeasured by `multum-bench ") == 1 and f"`multum-bench {name} --" in section, section
@@ -124,14 +124,14 @@ def check_document(text):
             rows = table.splitlines()
             assert len(rows) >= 5 and len({row.count("|") for row in rows}) == 1, table
     assert "/tmp" not in text and "nan" not in text, text
-    assert not re.search(r"\b20\d\d-\d\d", text), "a date: the same figures must give the same document"
+    assert not re.search(r"\b20\d\d-\d\d", text), "the document has a date; equal figures must give an equal document"
 
 
 def check_accuracy(text):
     # The first figure of a summary line is s = 100 at the centres of level 3.
     error = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| ([0-9.]+) /", text, re.MULTILINE)}
     assert error["8 lobes"] < error["4 lobes"] < error["2 lobes"] < error["1 lobe"], error
-    assert text.count("| fit, processor s | elapsed, s |") == 1, "times stand in the summary, and nowhere else"
+    assert text.count("| fit, processor s | elapsed, s |") == 1, "only the summary may have times"
     times = re.findall(r"^\| (?:[1-8] lobes?)[^|]* \|.*\| ([0-9.]+) \| ([0-9.]+) \|$", text, re.MULTILINE)
     assert len(times) == 16 and all(float(one) >= 0 for row in times for one in row), times
     midway = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| [^|]+ \| ([0-9.]+) /", text,
@@ -141,7 +141,7 @@ def check_accuracy(text):
     assert [row[:2] for row in rows] == [(level, s) for level in "012" for s in ("20", "100", "500")], rows
     stored = {row[:2]: [float(cell) for cell in row[2].split("|")] for row in rows}
     for s in ("20", "100", "500"):
-        # Level 2 is stored whatever L is, level 1 up to L = 1; files get smaller.
+        # Level 2 is stored for every L, level 1 up to L = 1; files get smaller.
         assert stored["0", s][6] == stored["1", s][6] == stored["2", s][6], rows
         assert stored["0", s][3:6] == stored["1", s][3:6], rows
         assert stored["0", s][7:] > stored["1", s][7:] > stored["2", s][7:], rows

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What multum-bench refuses, and that it leaves no files behind: check_bench_refusals.py PROGRAM BAKE_RESULT.json"""
+"""Tests refusals of multum-bench, which must leave no files: check_bench_refusals.py PROGRAM BAKE_RESULT.json"""
 import json
 import os
 import pathlib
@@ -14,7 +14,7 @@ PROGRAM, RESULT = sys.argv[1:]
 
 
 def expect(exit_code, parts, arguments, **options):
-    """The program must end with `exit_code`, and say all of `parts` on stderr."""
+    """Checks that the program exits with `exit_code` and prints all of `parts` on stderr."""
     run = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, **options)
     assert run.returncode == exit_code, f"{arguments}: exit code {run.returncode}, expected {exit_code}: {run.stderr}"
     for part in parts:
@@ -23,7 +23,7 @@ def expect(exit_code, parts, arguments, **options):
 
 def check_programs(folder):
     here = ["--folder", str(folder)]
-    # Found by PATH, unlike multum, which lies beside multum-bench.
+    # multum-bench finds maketx by PATH, and multum in its own folder.
     expect(4, ["maketx", "openimageio-tools"], ["bake", "--size", "16", *here],
            env={**os.environ, "PATH": str(folder)})
     expect(2, ["exit code 2", "--nonsense"], ["bake", "--size", "16", *here, "--", "--nonsense"])
@@ -51,7 +51,7 @@ def check_documents(folder):
            ["document", "-o", str(output), "--json", str(bad)])
     expect(3, ["none.json"], ["document", "-o", str(output), "--json", str(folder / "none.json")])
     expect(2, [str(bad)], ["document", "-o", str(bad), "--json", str(bad)])
-    # Of sources that are not committed, unless that is allowed; then the document says it.
+    # Results of uncommitted sources are refused unless they are allowed; then the document says so.
     dirty = folder / "dirty.json"
     for commit in ("0123abc-dirty", "unknown"):
         dirty.write_text(json.dumps({**json.loads(pathlib.Path(RESULT).read_text()), "commit": commit}))
@@ -69,7 +69,7 @@ def check_cancelling(folder):
     run = subprocess.Popen([PROGRAM, "bake", "--size", "16", "--repetitions", "1000", "--folder", str(folder)],
                            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     while not any(folder.iterdir()):
-        assert run.poll() is None, "it ended before it made a folder"
+        assert run.poll() is None, "the program ended before it made a folder"
         time.sleep(0.01)
     run.send_signal(signal.SIGTERM)
     message = run.communicate()[1]

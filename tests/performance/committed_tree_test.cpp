@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Documents are made of committed sources, or say that they are not.
+// Documents are made from committed sources, or say that they are not.
 #include "tools/lab/bench/documents/committed_tree.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 TEST(CommittedTreeTest, ACommitIsNamed) {
   EXPECT_EQ(stated_commit("a.json", "9eb764f", false), "commit 9eb764f");
-  EXPECT_EQ(stated_commit("a.json", "9eb764f", true), "commit 9eb764f") << "no need to allow anything";
+  EXPECT_EQ(stated_commit("a.json", "9eb764f", true), "commit 9eb764f") << "a committed tree needs no permission";
 }
 
 TEST(CommittedTreeTest, OtherSourcesAreRefusedWithWhatToDo) {

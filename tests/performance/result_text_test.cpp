@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Medians and quartiles, tables and commands as text: what docs/evidence/BENCHMARKS.md is made of.
+// Medians and quartiles, tables and commands as text, as in docs/evidence/BENCHMARKS.md.
 #include <gtest/gtest.h>
 
 #include "tools/lab/bench/documents/markdown_table.h"

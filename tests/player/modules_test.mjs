@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The player's modules that need no browser, in Node: checksums, cameras and places between samples, binary glTF, the
-// budget, paths, and what strangers may write into descriptions and indices.
+// Tests the player's modules that need no browser, in Node: checksums, cameras and positions between samples, binary
+// glTF, the memory budget, paths, and hostile descriptions and indices.
 //
 //   node modules_test.mjs [STEP [SEED]]
 import assert from "node:assert/strict";
@@ -31,7 +31,7 @@ const near = (found, wanted, tolerance, what) => [...found].forEach((one, i) =>
 
 const JUNK = [null, true, -1, 0, 1, 1.5, 7, 1e9, 1e300, "", "x", "__proto__", [], {}, [[]], [1, 2, 3, 4]];
 
-/** Puts junk into up to three places, or takes away what is there. */
+/** Puts junk into up to three places, or removes values. */
 function spoil(json) {
   for (let n = 1 + Math.floor(3 * random()); n > 0 && Object.keys(json).length > 0; --n) {
     let [place, key] = [json, among(Object.keys(json))];
@@ -39,7 +39,7 @@ function spoil(json) {
         random() < 0.8)
       [place, key] = [place[key], among(Object.keys(place[key]))];
     if (random() < 0.2) delete place[key];
-    else place[key] = structuredClone(among(JUNK)); // or one might come to hold itself
+    else place[key] = structuredClone(among(JUNK)); // a clone, because an object might come to contain itself
   }
 }
 
@@ -49,9 +49,9 @@ const columns = (...rows) => Float64Array.from({ length: 16 }, (_, i) => rows[i 
 const turned = (angle) => columns([Math.cos(angle), 0, Math.sin(angle), 0], [0, 1, 0, 0],
   [-Math.sin(angle), 0, Math.cos(angle), 0], [0, 0, 0, 1]);
 const moved = (x, y, z) => columns([1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]);
-/** Off-centre, with near and far planes as OpenGL has them, and the last row -s. */
+/** An off-centre projection with OpenGL's near and far planes, and -s in the last row. */
 const lens = (s = 1) => columns([2.1, 0, 0.3, 0], [0, 2.9, -0.2, 0], [0, 0, -1.02 * s, -0.2], [0, 0, -s, 0]);
-/** Of a camera that stands at `eye` and is turned by `angle`. */
+/** The matrix of a camera at `eye` that is rotated by `angle`. */
 const camera = (angle, eye, s) => multiplied(lens(s), multiplied(turned(-angle), moved(...eye.map((one) => -one))));
 
 // ---- A binary glTF
@@ -90,7 +90,7 @@ function triangle() {
   } };
 }
 
-/** A sound description: three views by two lights, one object with a layer that all share and one by lights. */
+/** A valid description: three views by two lights, one object with a layer for all samples and one for each light. */
 function description() {
   const views = [0, 1, 2].map((v) => [[1, 0, 0, v], [0, 1, 0, 0], [0, 0, -1, -0.1], [0, 0, -1, 2]]);
   const mapping = { linear: [1, 0, 0, 1], offset: [0, 0], hasCut: [false, true], cut: [0, 0.5], wrapS: "clamp",
@@ -126,10 +126,10 @@ const steps = {
     Object.assign(globalThis, { document: { hidden: true }, cancelAnimationFrame: (frame) => cancelled.push(frame),
       requestAnimationFrame: (draw) => frames.push(draw) });
     const drawn = [];
-    await new Promise((resolve) => onNextFrame((now) => { drawn.push(now); resolve(); })); // no frame comes
+    await new Promise((resolve) => onNextFrame((now) => { drawn.push(now); resolve(); })); // no animation frame comes
     assert.deepEqual(cancelled, [1]);
     onNextFrame((now) => drawn.push(now));
-    frames[1](7); // one comes, and no timer after it
+    frames[1](7); // an animation frame comes, and no timer after it
     onNextFrame((now) => drawn.push(now))(); // is cancelled
     await new Promise((resolve) => setTimeout(resolve, 120));
     assert.deepEqual([drawn.length, drawn[1]], [2, 7]);
@@ -175,7 +175,7 @@ const steps = {
     const thing = objects.get("thing");
     near(thing.positions, [0, 2, 0, 0, 0, 0, 1, 0, 0], 0, "corners in the indices' order");
     near(thing.uvs, [32768 / 65535, 0, 0, 0, 16384 / 65535, 0], 1e-6, "texture coordinates, upwards");
-    // Turned by a quarter about y: x goes to -z. Twice as large, and moved by the parent.
+    // Rotated by 90 degrees about y: x goes to -z. Scaled by 2, and moved by the parent.
     const corner = [0, 1, 2].map((row) => thing.objectToWorld[row] + thing.objectToWorld[12 + row]);
     near(corner, [1, 2, 3 - 2], 1e-12, "where (1, 0, 0) is");
     for (const [change, pattern] of [
@@ -201,7 +201,7 @@ const steps = {
     assert.throws(() => readGlb(glb(json, cut), "t.glb", 1), /vertex 3, expected one below 3/);
   },
 
-  /** Whatever stands in a glTF, it is refused by words or has triangles that are whole. */
+  /** Any glTF is either refused with a message, or has complete triangles. */
   glbOfStrangersDoesNotBreakIt() {
     let refused = 0;
     for (let i = 0; i < 20000; ++i) {
@@ -222,7 +222,7 @@ const steps = {
 
   cutsGoToTheTrianglesSide() {
     const mapping = { linear: [0.5, 0, 0, 2], offset: [0.25, 0], hasCut: [true, false], cut: [0.6, 0] };
-    // One triangle left of the cut, one right of it, each as a whole.
+    // One triangle left of the cut and one right of it; neither is split.
     near(mappedCorners([0.1, 0, 0.2, 0, 0.3, 1, 0.7, 0, 0.8, 0, 0.9, 1], mapping),
       [0.8, 0, 0.85, 0, 0.9, 2, 0.6, 0, 0.65, 0, 0.7, 2], 1e-6, "mapped");
   },
@@ -245,7 +245,7 @@ const steps = {
             store.put(key, { bytes });
             held += bytes;
           }
-          for (const one of before) assert.ok(store.has(one), "what is needed has gone");
+          for (const one of before) assert.ok(store.has(one), "a needed texture was released");
         }
         assert.ok(store.bytes <= store.budget && store.bytes === held, `${store.bytes}, ${held} of ${store.budget}`);
       }
@@ -256,7 +256,7 @@ const steps = {
     for (const key of ["a", "b"]) store.put(key, { bytes: 5 });
     store.get("a");
     assert.ok(store.makeRoom(5, () => false));
-    assert.deepEqual([store.has("a"), store.has("b")], [true, false], "the least recently used goes first");
+    assert.deepEqual([store.has("a"), store.has("b")], [true, false], "the least recently used must go first");
   },
 
   pathsGoThroughTheirPositions() {
@@ -265,7 +265,7 @@ const steps = {
     assert.deepEqual(path.positions, [[0, 1], [1, 2], [3, 0]], "not every frame");
     near([0, 0.5, 1, 2, 2.999, 3, 3.5].map((t) => path.at(t)[0]), [1, 1.5, 2, 1, 0.001, 1, 1.5], 1e-9, "places");
     assert.deepEqual(RecordedPath.parse(path.text(), ["a"]).positions, path.positions);
-    const file = readFileSync(new URL("recorded_path.json", import.meta.url), "utf8"); // as recorded_path_test.cpp
+    const file = readFileSync(new URL("recorded_path.json", import.meta.url), "utf8"); // as in recorded_path_test.cpp
     const kept = RecordedPath.parse(file, ["view", "light"]);
     for (const [t, at] of [[0, [0, 1]], [0.25, [0.5, 1]], [0.5, [2, 0]], [1.5, [1, 0.25]], [2.5, [0, 1]],
       [2.75, [0.5, 1]]])
@@ -280,7 +280,7 @@ const steps = {
   fewerSubPixelsAreDrawnWhereFramesAreSlow() {
     const quality = new DrawingQuality(4);
     let now = 1e6;
-    // What a frame takes: 10 ms, and `ms` for each sub-pixel of a pixel.
+    // Simulates frames that take 10 ms, plus `ms` for each sub-pixel of a pixel.
     const move = (ms, frames) => {
       const sides = [];
       for (let i = 0; i < frames; ++i) {
@@ -290,12 +290,12 @@ const steps = {
       }
       return sides;
     };
-    assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "fast: as finely as there is");
-    const slow = move(30, 40); // 490 ms at first: below 3 a second
+    assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "a fast machine uses the finest images");
+    const slow = move(30, 40); // 490 ms at first: fewer than 3 frames per second
     assert.equal(slow.at(-1), 1);
     assert.ok(slow.indexOf(1) < 10, `${slow}`);
     assert.ok(Math.abs(quality.framesPerSecond - 25) < 1, `${quality.framesPerSecond}`);
-    now += 1e5; // a pause is no slow frame
+    now += 1e5; // a pause does not count as a slow frame
     quality.frame(now);
     assert.ok(quality.framesPerSecond > 20);
     assert.equal(move(0.1, 60).at(-1), 4, "fast again");
@@ -320,7 +320,7 @@ const steps = {
   async requestsAreTriedAgain() {
     const bytes = Uint8Array.from({ length: 100 }, (_, i) => i);
     const { fetch: realFetch, setTimeout: realTimeout } = globalThis;
-    globalThis.setTimeout = (run, ms, ...more) => realTimeout(run, ms / 1000, ...more); // 20 s of silence are 20 ms
+    globalThis.setTimeout = (run, ms, ...more) => realTimeout(run, ms / 1000, ...more); // 20 s of silence take 20 ms
     const part = (range, more = {}) => {
       const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(range).map(Number);
       const body = bytes.slice(first, last + 1);
@@ -372,7 +372,7 @@ const steps = {
       await source.read(0, 5);
       globalThis.fetch = async (_, { headers }) => part(headers.Range, { size: 120 });
       await assert.rejects(source.read(5, 5), /has 120 bytes now, had 100 before/);
-      // Whoever no longer wants it waits for nothing more.
+      // A cancelled request waits for nothing more.
       const abort = new AbortController();
       realTimeout(() => abort.abort(), 5);
       await assert.rejects(read([bad.mute], abort.signal), (error) => !(error instanceof FieldError));
@@ -381,7 +381,7 @@ const steps = {
     }
   },
 
-  /** Whatever stands in a description, it is refused by words, or has all that playing needs. */
+  /** Any description is either refused with a message, or has everything that playing needs. */
   async descriptionsOfStrangersDoNotBreakIt() {
     let refused = 0;
     for (let i = 0; i < 20000; ++i) {
@@ -405,7 +405,7 @@ const steps = {
     assert.ok(refused > 10000, `${refused} were refused`);
   },
 
-  /** The same of files: bytes changed, cut or doubled, before and behind the checksums. */
+  /** Any file is refused with a message or read: bytes change, are cut or doubled, some checksums are corrected. */
   async filesOfStrangersDoNotBreakIt() {
     const sound = fileOf([descriptionSection(description()), { kind: 1, layer: 0, block: 0, bytes: Buffer.from("abc") },
       { kind: 7, layer: 0, block: 0, bytes: Buffer.alloc(10) }]);
@@ -422,7 +422,7 @@ const steps = {
       if (random() < 0.7) bytes[at] ^= 1 << Math.floor(8 * random());
       else if (random() < 0.5) bytes = bytes.subarray(0, at);
       else bytes = Buffer.concat([bytes.subarray(0, at), bytes.subarray(at >> 1)]);
-      if (random() < 0.5 && bytes.length > 13) { // and the index's checksum mended
+      if (random() < 0.5 && bytes.length > 13) { // and corrects the index's checksum
         const end = 9 + bytes.readUInt32LE(5);
         if (end + 4 <= bytes.length) bytes.writeUInt32LE(sectionChecksum(bytes.subarray(0, end)), end);
       }

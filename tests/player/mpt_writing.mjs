@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields (docs/reference/packed_fields.md) taken apart and put together again, with checksums that are right
-// whatever is in them.
+// Takes packed fields (docs/reference/packed_fields.md) apart and puts them together again, with right checksums for
+// any
+// contents.
 import { deflateSync, inflateSync } from "node:zlib";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Players that `multum pack` and `multum player` write: what is in them and refused, and in headless Chromium
-// (player_test.mjs) their pictures beside those of multum-view, controls, memory, and damage of every kind.
+// Players that `multum pack` and `multum player` write: their contents, refusals, and in headless Chromium
+// (player_test.mjs) their pictures compared with those of multum-view, controls, memory, and damage of every kind.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -33,7 +33,7 @@ class PlayerPageTest : public TracedSceneTest {
     expect_says(packed.out, {"player: written", "page.html: written"});
   }
 
-  /// What multum-view draws of every sample, and a list of it for the browser.
+  /// Draws every sample by multum-view, and writes a list of the pictures for the browser.
   void draw_samples() {
     ASSERT_EQ(multum({"unpack", path("field.mpt"), "-o", path("unpacked")}).exit_code, 0);
     std::vector<std::string> command = {std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path("unpacked"),
@@ -75,11 +75,11 @@ TEST_F(PlayerPageTest, AFieldIsPublishedLater) {
         << entry.path();
   EXPECT_EQ(multum({"player", path("field.mpt"), "-o", path("again.html")}).exit_code, 0);
   EXPECT_TRUE(read_bytes(path("again.html")) == read_bytes(path("page.html")));
-  // A title that would end the script it stands in.
+  // A title that would end the script that contains it.
   fs::copy_file(path("field.mpt"), path("<!--<script>.mpt"));
   ASSERT_EQ(multum({"player", path("<!--<script>.mpt"), "-o", path("named.html")}).exit_code, 0);
   EXPECT_EQ(read_bytes(path("named.html")).find("<!--<script>"), std::string::npos);
-  // Another geometry than the textures are for.
+  // A geometry that differs from the textures' geometry.
   write_bytes(path("renders/geometry.obj"), read_bytes(path("renders/geometry.obj")) + "\n# changed\n");
   expect_refusal(multum({"player", path("field.mpt"), "-o", path("other")}), kInput,
                  {"geometry.obj", "not the geometry", "SHA-256"});
@@ -128,7 +128,7 @@ TEST_F(PlayerPageTest, WithoutADecoderForBrowsersThatIsSaid) {
   expect_refusal(multum({"player", path("field.mpt"), "-o", path("player")}), kEnvironment, {"apt-get install clang"});
 }
 
-// As assimp reads it: what the browser draws is what multum-view draws.
+// Compares with assimp's reading: the browser draws the same geometry as multum-view.
 TEST_F(PlayerPageTest, TheGeometryIsReadBackAsItWas) {
   write_scene(TracedScene{});
   const std::vector<ObjectMesh> objects = read_object_meshes(path("renders/geometry.obj"), 0);

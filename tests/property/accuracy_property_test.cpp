@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured errors on maps whose errors are known, of files that leave their finest levels to the normal map too; and
-// that it cannot be seen how a meter was told.
+// Measured errors on maps with known errors, also of files that leave their finest levels to the normal map. The result
+// does not depend on the order in which a meter gets its rows.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -41,7 +41,8 @@ ColourMap random_colours(unsigned seed, double contrast) {
   return map;
 }
 
-// One lobe a texel: the average of what it covers, in every level. So do the levels that a file leaves out look.
+// Returns one lobe per texel: the average of the covered texels, in every level. Levels that a file leaves out are
+// drawn in the same way.
 MovmfMipmap average_lobes(const NormalMap& map, const ColourMap& albedo) {
   MovmfMipmap mipmap;
   mipmap.header.encoding = StorageEncoding::kFloat;
@@ -81,7 +82,7 @@ TEST(FirstLevelAccuracy, IsThatOfTheNormalMapsOwnLevels) {
       EXPECT_EQ(coarse[i].level, whole[i].level);
       EXPECT_EQ(coarse[i].sample_count, whole[i].sample_count);
       if (whole[i].level == first_level - 1 && whole[i].point == AccuracyPoint::kBetween) {
-        // Two shaded lobes, mixed, are not the mixed lobe, shaded.
+        // Mixing two shaded lobes differs from shading their mixture.
         mixes = mixes || std::abs(coarse[i].error - whole[i].error) > 1e-4;
       } else {
         EXPECT_NEAR(coarse[i].error, whole[i].error, 2e-6)
@@ -92,8 +93,8 @@ TEST(FirstLevelAccuracy, IsThatOfTheNormalMapsOwnLevels) {
   }
 }
 
-// Where shading is linear in the mean vector, and where nothing but colours varies, every mixture is exact: all
-// weights, those between the normal map and the lobes too, show in the error.
+// If shading is linear in the mean vector, and if only colours vary, every mixture is exact. Wrong weights, also those
+// between normal map and lobes, would show in the error.
 TEST(FirstLevelAccuracy, LinearShadingIsExactAcrossTheTransition) {
   const NormalMap mild = random_map(3, 0.1);
   const ColourMap grey = random_colours(4, 0.0);
@@ -110,7 +111,7 @@ TEST(FirstLevelAccuracy, LinearShadingIsExactAcrossTheTransition) {
   }
 }
 
-// Where each texel is a single direction, what is shaded is the BRDF itself.
+// If each texel is a single direction, shading it gives the BRDF itself.
 TEST(AccuracyTest, IsTheRatioOfSums) {
   const NormalMap map = random_map(6, 0.5);
   MovmfMipmap mipmap = average_lobes(map, random_colours(7, 0.0));
@@ -164,20 +165,21 @@ MovmfLevel some_rows(const MovmfLevel& level, int first_row, int row_count) {
   return rows;
 }
 
-// From the last row to the first, some at a time, only rows that it asks for, and with other numbers of threads.
-// Each highlight has an integral of its own; diffuse light, which comes last at each point, has none.
+// Each highlight is scaled by its own integral. Diffuse light, which comes last at each point, is not scaled.
 TEST(AccuracyTest, HighlightsAreScaledByTheirOwnTotals) {
   ShadingDirections directions{{glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.6, 0.0, 0.8)}, {glm::dvec3(0.0, 0.0, 1.0)}, {}};
   for (const float total : {1.0f, 0.5f, 0.25f}) {
     directions.highlights.push_back(blinn_phong_highlight(10.0));
     directions.highlights.back().shaded.total = total;
   }
-  std::vector<float> values(14, 1.0f);  // of two points
+  std::vector<float> values(14, 1.0f);  // values of two points
   DirectionBuffers(test_device(), directions).scale_by_totals(values);
   const std::vector<float> of_point = {1.0f, 1.0f, 0.5f, 0.5f, 0.25f, 0.25f, 1.0f};
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], of_point[i % 7]) << i;
 }
 
+// Rows come from the last to the first, a few at a time, only if the meter asks for them, and with several thread
+// counts.
 TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
   const NormalMap map = random_map(8, 0.6);
   const ColourMap albedo = random_colours(9, 1.0);
@@ -190,7 +192,7 @@ TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
     for (MovmfLevel& level : header.levels) level.lobes = {{}};
     AccuracySettings settings;
     settings.samples_per_level = 6;
-    settings.footprints_per_octave = first_level > 0 ? 4 : 0;  // they need every row of a map as small as this
+    settings.footprints_per_octave = first_level > 0 ? 4 : 0;  // footprints need every row of a map as small as this
     settings.threads = 1;
     const std::vector<AccuracyRow> expected = measure_accuracy(test_device(), mipmap, map, &albedo, settings, nullptr);
     int unneeded_count = 0;

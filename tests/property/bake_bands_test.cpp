@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake in bands of rows, whatever their height and wherever planes are kept, gives the bytes of the bake of the whole
-// map at once (movmf_level_fit.h).
+// A bake in bands of rows of any height, with planes kept anywhere, gives the bytes of a bake of the whole map at once
+// (movmf_level_fit.h).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -115,7 +115,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
     MovmfMipmap mipmap;
     std::string plan;
   };
-  // Of the map at once, in memory; the same for every test of it.
+  // Returns the bake of the whole map at once, in memory, which all its tests share.
   const Whole& whole() {
     static std::map<std::string, Whole> baked;
     Whole& mine = baked[::testing::PrintToString(GetParam())];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every bake must satisfy, whatever the map: conservation, symmetry, repeatability.
+// Properties of every bake, for any map: conservation, symmetry, repeatability.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ NormalMap random_map(int width, int height, unsigned seed) {
   });
 }
 
-// As bright as normals point up.
+// Brightness grows with the normal's z.
 ColourMap grey_albedo(const NormalMap& map) {
   ColourMap albedo;
   albedo.width = map.width;
@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BakePropertyTest,
                          ::testing::Values(std::pair{64, 64}, std::pair{128, 32}, std::pair{50, 37}, std::pair{1, 100},
                                            std::pair{100, 1}, std::pair{1, 1}, std::pair{3, 3}, std::pair{2, 1}));
 
-// Amplitudes sum to 1 and a_j r_j to the mean normal of what the texel covers: filtering and fitting move nothing.
+// Amplitudes sum to 1, and a_j r_j to the mean normal of the covered texels: filtering and fitting conserve both.
 TEST_P(BakePropertyTest, AmplitudesAndMeanNormalsAreConserved) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 11);
@@ -114,10 +114,10 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
   test_device().set_shape(LaunchShape::of(test_device().info()));
 }
 
-// Turning by 90 degrees is exact in floats (swap and negate) and must turn every lobe alike: the kernels prefer no axis
-// beyond the rounding of sums in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two lobes
-// may compete evenly and fall either way; and candidates for the start of nearly the same worth may change places when
-// rounding does: no start is searched here.
+// Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike: the kernels prefer no
+// axis beyond the rounding of sums in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
+// lobes may be equally good, and either may win. Start candidates of almost equal quality may also change places with
+// the rounding, so this test searches no start.
 void expect_lobes_turn(MovmfSettings settings) {
   settings.search_start = false;
   const NormalMap map = make_four_quarter_map(64, 3).normals;
@@ -128,7 +128,7 @@ void expect_lobes_turn(MovmfSettings settings) {
   }
   const MovmfMipmap straight = bake(map, settings), rotated = bake(turned, settings);
   for (std::size_t l = 0; l < straight.levels.size(); ++l) {
-    // Mean |difference| of a lobe's values: what turning the lobes alike does not explain.
+    // Mean |difference| of a lobe's values after the rotation.
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t j = 0; j < straight.levels[l].lobes.size(); ++j)
@@ -148,7 +148,7 @@ TEST(BakeRotationTest, RotatedNormalsGiveRotatedLobes) {
 
 TEST(BakeRotationTest, CondensedNormalsRotateToo) { expect_lobes_turn({}); }
 
-// How unlike the lobes of neighbouring columns are, over all rows: sum over lobes of |a mu| differences.
+// Returns how much the lobes of neighbouring columns differ, over all rows: the sum over lobes of |a mu| differences.
 double column_difference(const MovmfLevel& level, int left, int right) {
   double sum = 0.0;
   for (const auto& lobe : level.lobes)
@@ -160,11 +160,12 @@ double column_difference(const MovmfLevel& level, int left, int right) {
   return sum;
 }
 
-// A map that repeats is aligned across its border too, also where the width is odd and both columns are of one colour.
+// A periodic map is aligned across its border too, also if the width is odd and both columns have the same colour.
 TEST(BakePeriodicTest, LobesAreAlikeAcrossTheBorder) {
   for (int width : {128, 100}) {
-    // Two opposite facets, in equal shares, that have changed places from border to border: which lobe stands for which
-    // drifts along the map.
+    // Two opposite facets in equal shares, which have changed places from border to border: the assignment of lobes
+    // drifts
+    // along the map.
     std::mt19937 random(21);
     const NormalMap map = testing::make_map(width, 128, [&](int x, int) {
       const double noise = static_cast<double>(random() >> 8) * 0x1p-24 - 0.5;
@@ -219,7 +220,7 @@ TEST(BakeOrderTest, ScanlineConservesTooAndDiffers) {
   }
 }
 
-// A start that another bake of the map has searched is the one that this bake would find.
+// A start found by another bake of the map equals the start that this bake would find.
 TEST(StartMemory, TakesTheSameStart) {
   const NormalMap map = random_map(24, 16, 11);
   StartMemory memory;
@@ -229,7 +230,7 @@ TEST(StartMemory, TakesTheSameStart) {
   MovmfSettings two;
   two.lobe_count = 2;
   MovmfSettings refined = two;
-  refined.refine = true;  // which its trials are not
+  refined.refine = true;  // its trials are not refined
   MovmfSettings one_pass = two;
   one_pass.pass_count = 1;
   const auto check = [&](const MovmfSettings& settings, bool is_known) {
@@ -242,7 +243,7 @@ TEST(StartMemory, TakesTheSameStart) {
   check(two, false);
   check(two, true);
   check(refined, true);
-  check(one_pass, false);  // its trials are other bakes
+  check(one_pass, false);  // its trials differ from those of earlier bakes
   check(one_pass, true);
 }
 

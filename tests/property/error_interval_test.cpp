@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interval of each level's stated error holds the error of all its texels as often as it says, on thin maps too,
-// and levels of few texels are measured whole.
+// The interval of each level's stated error contains the error of all its texels as often as stated, on thin maps too.
+// Levels of few texels are measured completely.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ struct Baked {
   MovmfMipmap mipmap;
 };
 
-// By one lobe a texel, quickly: what matters is that errors differ from texel to texel.
+// Bakes one lobe per texel, quickly: the test only needs errors that vary from texel to texel.
 Baked bake(NormalMap map) {
   MovmfSettings fitting;
   fitting.lobe_count = 1;
@@ -52,7 +52,7 @@ std::vector<AccuracyRow> measure(const Baked& baked, std::int64_t samples_per_le
   return measure_accuracy(test_device(), baked.mipmap, baked.map, settings, nullptr);
 }
 
-// Noise that gets steeper along the short side: the border's cells, cut off, are unlike the others.
+// Noise that gets steeper along the short side: the cells at the border, which are cut off, differ from the others.
 NormalMap thin_map(int length, int thickness, bool upright) {
   std::mt19937 random(5);
   const auto normal = [&](int along, int across) {
@@ -65,7 +65,7 @@ NormalMap thin_map(int length, int thickness, bool upright) {
   return testing::make_map(length, thickness, normal);
 }
 
-// How often the intervals of a row held, and how wide they were.
+// Counts how often the intervals of a row contained the error, and their widths.
 struct Held {
   int held = 0, all = 0;
   double widths = 0.0, squares = 0.0;
@@ -77,7 +77,7 @@ class Coverage {
     for (const AccuracyRow& row : measure(baked, 0, 1)) whole_.emplace(key(row), row);
   }
 
-  // Of levels that are not sampled, every figure is that of all texels.
+  // In levels that are not sampled, every figure comes from all texels.
   void add(std::int64_t samples_per_level, std::uint64_t seed) {
     for (const AccuracyRow& row : measure(baked_, samples_per_level, seed)) {
       const AccuracyRow& whole = whole_.at(key(row));
@@ -97,7 +97,7 @@ class Coverage {
     }
   }
 
-  // Prints a line; the share of all rows and seeds, and of the row that held least.
+  // Prints a line. Returns the share of all rows and seeds, and the share of the worst row.
   std::pair<double, double> finish(const std::string& name) const {
     Held all;
     double least = 1.0, width = 0.0;
@@ -116,8 +116,8 @@ class Coverage {
     }
     const double share = static_cast<double>(all.held) / all.all;
     std::printf(
-        "%-22s %5.1f %% of %d intervals held, at worst %5.1f %% (%s); half widths %.1f %% of the error, mean "
-        "square of standard errors %.2f\n",
+        "%-22s %5.1f %% of %d intervals contain the error, at worst %5.1f %% (%s); half widths %.1f %% of the error, "
+        "mean square in standard errors %.2f\n",
         name.c_str(), 100.0 * share, all.all, 100.0 * least, worst.c_str(), 100.0 * width / all.all,
         all.squares / all.all);
     return {share, least};
@@ -152,7 +152,7 @@ TEST(ErrorInterval, HoldsTheErrorOfAllTexels) {
   }
 }
 
-// The map whose level 1 was stated as 42.6 % with 60.9 % over all texels, with the samples of every bake.
+// With the sample count of every bake, level 1 of this map was once stated as 42.6 %, and is 60.9 % over all texels.
 TEST(ErrorInterval, HoldsOnAThinMapWithTheBakesSamples) {
   const Baked baked = bake(thin_map(4097, 7, false));
   Coverage coverage(baked);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar Gaussians against lobes, as Han et al. 2007 compare them in figure 7: alike on top, worse the nearer normals
-// lie to the rim of the disc, where a round bump on the sphere is a thin one on the plane that ends at its edge.
+// Compares planar Gaussians with lobes as Han et al. 2007 do in figure 7: equal on top, and worse for normals closer to
+// the rim of the disc, where a round bump on the sphere is a thin one on the plane that ends at its edge.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ namespace {
 
 using testing::test_device;
 
-// Two bumps of normals, tilted by so much to either side, each some six degrees wide; none below the horizon.
+// Two bumps of normals, each about six degrees wide, tilted by this angle to either side; none below the horizon.
 NormalMap tilted_map(double degrees) {
   std::mt19937 random(2007);
   const auto normal = [&] { return std::normal_distribution<double>(0.0, 0.1)(random); };
@@ -42,12 +42,14 @@ std::vector<glm::dvec3> hemisphere(int count) {
   return directions;
 }
 
-// Mean relative L1 over the levels of 16 x 16 texels and coarser, over half vectors all around, by BRDF.
+// Returns the mean relative L1 error over the levels of 16 x 16 texels and coarser, over half vectors in all
+// directions,
+// by BRDF.
 std::map<std::string, double> errors_of(const NormalMap& map, Representation representation) {
   MovmfSettings settings;
   settings.representation = representation;
   settings.lobe_count = 2;
-  settings.search_start = false;  // two bumps are found from anywhere
+  settings.search_start = false;  // any start finds two bumps
   FitReport report;
   MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
@@ -90,7 +92,7 @@ TEST(GmmAgainstVmfTest, IsAlikeOnTopAndWorseNearTheRim) {
   }
 }
 
-// Coordinates' first and second moments are the texels' own, whatever the prior does.
+// First and second moments of the coordinates equal those of the texels, for any prior.
 TEST(GmmMomentsTest, FirstAndSecondMomentsAreThoseOfTheNormals) {
   const NormalMap map = tilted_map(50.0);
   FitReport report;

@@ -57,7 +57,7 @@ std::optional<std::int64_t> LedgerModel::claim(const ClaimLimits& limits, const 
   const auto fits = [](std::pair<int, std::int64_t> use, const ModelJob& job, std::int64_t most) {
     return most <= 0 || use.first == 0 || use.second + job.memory_bytes <= most;
   };
-  // (queue's priority, own priority, age) of all that may run; of each queue the first whose device is free.
+  // (queue's priority, own priority, age) of the first job of each queue that may run and whose device is free.
   std::vector<std::tuple<int, int, std::int64_t>> firsts;
   for (const auto& [name, of_queue] : limits.queues) {
     if (of_queue.is_paused || used(&name, nullptr).first >= of_queue.jobs_max) continue;
@@ -105,7 +105,7 @@ void LedgerModel::finish(ModelJob& job, JobState state, TimeMs now) {
   settle(now);
 }
 
-// Who waits for what has failed is dead; who waits for nothing may run.
+// A job that waits for a failed job is dead; a job that waits for nothing may run.
 void LedgerModel::settle(TimeMs now) {
   for (bool is_changed = true; is_changed;) {
     is_changed = false;
@@ -187,7 +187,7 @@ std::set<std::int64_t> LedgerModel::retry(std::int64_t id, TimeMs now) {
     before = again.size();
     for (const auto& [other, job] : jobs_) {
       if (job.state != JobState::kDead || job.counted != 0) continue;
-      if (job.deadline && *job.deadline <= now) continue;  // its own time is over
+      if (job.deadline && *job.deadline <= now) continue;  // its own time limit has passed
       const auto is_again = [&](std::int64_t need) { return again.contains(need); };
       const auto is_well = [&](std::int64_t need) { return is_again(need) || (knows(need) && !is_failed(need)); };
       if (std::any_of(job.needs.begin(), job.needs.end(), is_again) &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger once more, in memory and by brute force: every rule as docs/reference/service.md has it, looked up in all
-// jobs anew each time. What it is told and what it answers is as in JobQueue.
+// A model of the ledger in memory, by brute force: it applies every rule of docs/reference/service.md to all jobs again
+// at each call. Its calls and answers are the same as in JobQueue.
 #pragma once
 
 #include <map>
@@ -33,7 +33,7 @@ class LedgerModel {
   int needs_left(std::int64_t id) const;
   std::optional<TimeMs> next_due() const;
 
-  /// Null: it is refused.
+  /// Null: the submission is refused.
   std::optional<SubmitResult> submit(const JobSubmission& submission);
   std::optional<std::int64_t> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random lives of a ledger beside a model of it (ledger_model.h). After every step both agree on every job, no job
-// waits for one that has failed or is gone, and no number is given twice; in the end all that may run is run, and then
-// every job has ended. The seed is fixed; RC_PARAMS="seed=N max_success=20000" takes another, and what fails prints its
-// own.
+// Compares random histories of a ledger with a model of it (ledger_model.h). After every step both agree on every job,
+// no job waits for one that has failed or is gone, and no number is given twice. At the end every job that may run is
+// run, and every job has ended. The seed is fixed; RC_PARAMS="seed=N max_success=20000" sets another, and a failure
+// prints its own.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -23,14 +23,14 @@ using testing::LedgerModel;
 using testing::TemporaryFolder;
 using Ids = std::vector<std::int64_t>;
 
-// Before the first property: RapidCheck reads it then.
+// Set before the first property, when RapidCheck reads it.
 const int g_seeded = setenv("RC_PARAMS", "seed=20261123 max_success=400", 0);
 
 constexpr RetryPolicy kPolicy = {100, 1000};
 constexpr char kResults[] = "/data/results";
 
-// What is done next, and four numbers that say to which jobs: taken modulo what there is, so that shorter sequences
-// make sense too.
+// The next action, and four numbers that choose the jobs: they are taken modulo the number of jobs, so that shortened
+// sequences stay valid.
 struct Step {
   int kind, a, b, c, d;
 };
@@ -46,7 +46,7 @@ rc::Gen<Step> steps() {
   });
 }
 
-// Made once: each would wait for the disk.
+// Made once, because each would wait for the disk.
 const std::string& empty_ledger() {
   static const std::string bytes = [] {
     const TemporaryFolder folder;
@@ -72,7 +72,7 @@ class Pair {
   }
 
   void run(const Step& step) {
-    // Some of it is undone: a disk that is full.
+    // Some steps are rolled back, as on a full disk.
     const bool is_undone = step.kind < 90 && step.d % 10 == 0;
     if (!is_undone) {
       act(step);
@@ -90,7 +90,7 @@ class Pair {
     check();
   }
 
-  // All that may run does, and then nobody is left.
+  // Runs every job that may run; after that no job is left.
   void run_to_the_end() {
     ClaimLimits limits;
     limits.queues = {{"default", {}}, {"night", {}}};
@@ -123,10 +123,10 @@ class Pair {
     settings.results = kResults;
     settings.retry = kPolicy;
     queue_ = std::make_unique<JobQueue>(settings);
-    queue_->database().execute("PRAGMA synchronous = OFF");  // no power cut is tried here
+    queue_->database().execute("PRAGMA synchronous = OFF");  // power cuts are not tested here
   }
 
-  // A job that is there, or was, or one that never was.
+  // Returns the number of a job that exists, existed, or never existed.
   std::int64_t any(int number) const { return 1 + number % (model_.highest() + 2); }
 
   void act(const Step& s) {
@@ -154,7 +154,7 @@ class Pair {
     if (s.b % 4 == 0) submission.device = "gpu";
     if (s.c % 3 != 0)
       submission.output = (s.c % 2 == 0 ? std::string(kResults) : "/out") + "/" + std::to_string(s.c % 5);
-    if (s.c % 4 == 0) {  // of few, so that they meet
+    if (s.c % 4 == 0) {  // from a small set, so that keys repeat
       submission.key = s.c % 8 == 0 ? "a" : "b";
       submission.output = std::string(kResults) + "/" + submission.key;
     }
@@ -166,7 +166,7 @@ class Pair {
           submission, [](const Job&) { return true; }, now_);
       RC_ASSERT(expected);
       RC_ASSERT(result.is_new == expected->is_new);
-      RC_ASSERT(result.id == expected->id);  // and none is given twice
+      RC_ASSERT(result.id == expected->id);  // no number is given twice
     } catch (const Error&) {
       RC_ASSERT(!expected);
     }
@@ -184,7 +184,7 @@ class Pair {
     return job;
   }
 
-  // By who has it, had it, or never had it.
+  // Ends a job by a worker that has it, had it, or never had it.
   void end_any(const Step& s) {
     if (leases_.empty()) return;
     const Job job = leases_[static_cast<std::size_t>(s.a) % leases_.size()];
@@ -192,7 +192,7 @@ class Pair {
     if (s.c % 3 == 0) {
       const bool is_mine = model_.begin_publishing(job.id, owner, job.attempt);
       RC_ASSERT(queue_->begin_publishing(job.id, owner, job.attempt, "1:2") == is_mine);
-      if (is_mine && s.b % 3 != 0) publish(job.id, s.b % 4 != 0);  // or the daemon dies before
+      if (is_mine && s.b % 3 != 0) publish(job.id, s.b % 4 != 0);  // otherwise the daemon dies before
     } else {
       constexpr AttemptOutcome kOutcomes[] = {AttemptOutcome::kSucceeded, AttemptOutcome::kFailed,
                                               AttemptOutcome::kRefused,   AttemptOutcome::kLost,
@@ -243,7 +243,7 @@ class Pair {
     Ids older;
     for (const auto& [id, job] : model_.jobs())
       if (job.finished.value_or(before) < before) older.push_back(id);
-    RC_ASSERT(LedgerModel(model_).purge(older, kResults).empty());  // none was kept that might have gone
+    RC_ASSERT(LedgerModel(model_).purge(older, kResults).empty());  // no job was kept that could have been removed
   }
 
   void wait(const Step& s) {
@@ -257,7 +257,7 @@ class Pair {
     model_.expire(now_);
   }
 
-  // Workers and daemon die; what was being published is found in place, or not.
+  // Workers and daemon die. A result that was being published is found in place, or not.
   void restart() {
     open_again();
     const JobQueue::Recovered recovered = queue_->recover(now_);
@@ -276,7 +276,7 @@ class Pair {
 
   std::vector<Job> all() {
     std::vector<Job> jobs = queue_->list({std::nullopt, "", std::nullopt, 1000});
-    RC_ASSERT(jobs.size() == model_.jobs().size());  // none is lost
+    RC_ASSERT(jobs.size() == model_.jobs().size());  // no job is lost
     return jobs;
   }
 

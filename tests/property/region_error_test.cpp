@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error of a region that was baked again, over its texels alone. The region is a quarter of the map by both sides,
-// so that its texels of every level are a mipmap of their own.
+// The error of a region that was baked again, over only its texels. The region's sides are half as long as the map's
+// sides, so its texels of all levels form a mipmap.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kSide = 256, kRegionSide = 64, kRegionX = 128, kRegionY = 64;
 
-// Waves, and noise that gets steeper to the right; when edited, a dome lies in the region.
+// Writes waves, and noise that gets steeper to the right. If edited, the region contains a dome.
 NormalMap write_map(const std::string& path, bool edited) {
   SplitMix64 random(1);
   const NormalMap map = testing::make_map(kSide, kSide, [&](int x, int y) {
@@ -43,7 +43,7 @@ std::vector<Value> cut(const std::vector<Value>& plane, int level) {
   return part;
 }
 
-// Means over levels and points, by BRDF, of the region alone.
+// Returns means over levels and points, by BRDF, of only the region.
 std::map<std::string, double> region_errors(Device& device, const std::string& file, const NormalMap& map) {
   const MovmfMipmap whole = read_movmf_mipmap(file);
   MovmfMipmap part;

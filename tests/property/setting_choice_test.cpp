@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings are chosen by what a map needs; a mosaic is made of the map; and the interval of a measured error holds what
-// all texels say.
+// Settings are chosen by what a map needs; a mosaic is made from the map; and the interval of a measured error contains
+// the error of all texels.
 #include "host/bakes/settings_search/setting_choice.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST(TargetBrdf, IsNamedAsRowsAre) {
   EXPECT_FALSE(parse_target_brdf("lambert").has_highlight());
   EXPECT_EQ(parse_target_brdf("ggx:0.4").id.text(), "ggx:0.4");
   EXPECT_EQ(parse_target_brdf("charlie:0.6").id.text(), "charlie:0.6");
-  // What every bake measures is not measured again.
+  // A highlight that every bake measures is not measured again.
   EXPECT_TRUE(parse_target_brdf("blinn-phong:500").more_highlights().empty());
   EXPECT_EQ(parse_target_brdf("torrance-sparrow:0.1").more_highlights().size(), 1u);
   for (const char* text :
@@ -81,7 +81,7 @@ TEST(TargetBrdf, IsNamedAsRowsAre) {
     EXPECT_THROW(parse_target_brdf(text), Error) << text;
 }
 
-// Every texel tells where it comes from.
+// Every texel's value encodes its position.
 NormalMap numbered_map(int width, int height) {
   return testing::make_map(width, height, [](int x, int y) { return glm::dvec3(x, y, 1.0); });
 }
@@ -122,10 +122,10 @@ TEST(SettingChoice, TakesTheCheapestForAFlatMap) {
   const BakeSource source = source_of(map);
   SettingTrials trials = trials_of(source, "blinn-phong:100");
   EXPECT_EQ(chosen(trials, 0.01), trials.candidates().front().options);
-  EXPECT_EQ(trials.made().size(), 1u) << "more was tried than needed";
+  EXPECT_EQ(trials.made().size(), 1u) << "more settings were tried than needed";
 }
 
-// What it takes, and no less: the four quarters have one, two and many directions.
+// Chooses as many lobes as needed and no more: the four quarters have one, two and many directions.
 TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
   const FourQuarterMap map = make_four_quarter_map(64, 7);
   const BakeSource source = source_of(map.normals);
@@ -141,7 +141,7 @@ TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
     for (const SettingTrial& other : trials.made())
       EXPECT_TRUE(other.candidate >= trial->candidate || !other.reached.meets(error))
           << trials.candidates()[other.candidate].options;
-    // What bakes took more than the trials promised is asked of them.
+    // If bakes had higher errors than the trials promised, the trials must be better by the same factor.
     const std::optional<SettingTrial> corrected = cheapest_within(trials, error, 1.5, 0, nullptr);
     EXPECT_TRUE(!corrected || corrected->candidate >= trial->candidate);
   }
@@ -149,7 +149,7 @@ TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
   EXPECT_EQ(chosen(moments, 0.2), "none");
 }
 
-// A diffuse surface needs less than a glossy one.
+// A diffuse surface needs fewer lobes than a glossy one.
 TEST(SettingChoice, DependsOnTheBrdf) {
   const FourQuarterMap map = make_four_quarter_map(128, 7);
   const BakeSource source = source_of(map.normals);
@@ -160,7 +160,7 @@ TEST(SettingChoice, DependsOnTheBrdf) {
   EXPECT_LT(a->candidate, b->candidate);
 }
 
-// The middle of a map, as wide and high as the generated ones.
+// Returns the middle of a map, as wide and high as the generated maps.
 NormalMap middle_of(const NormalMap& map, int size) {
   NormalMap part;
   part.width = part.height = size;
@@ -175,7 +175,7 @@ NormalMap middle_of(const NormalMap& map, int size) {
   return part;
 }
 
-// The four-quarter map, each of its quarters, and the first real ones of the folder of them, where there is one.
+// Returns the four-quarter map, each of its quarters, and the first real maps, if their folder exists.
 std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   std::vector<std::pair<std::string, NormalMap>> maps = {{"all quarters", make_four_quarter_map(size, 3).normals}};
   for (const auto& [name, quarter] : kQuarters)
@@ -191,7 +191,9 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   return maps;
 }
 
-// The number of successes of `count`, at 95 % each, that chance falls short of once in 10,000 times: a binomial sum.
+// Returns the number of successes out of `count`, at 95 % each, that chance misses only once in 10,000 times: a
+// binomial
+// sum.
 int least_held(int count) {
   double below = 0.0;
   for (int held = 0; held < count; ++held) {
@@ -202,10 +204,10 @@ int least_held(int count) {
   return count;
 }
 
-// Of a map, all that are measured stand for all that there are. Errors in standard errors are of mean square 1 where
-// the interval is what it says, less where footprints that are spread evenly know more than it does. Coverage finds
-// intervals that are half as wide on one map, and a fifth too narrow on all; the mean square finds those, and intervals
-// that are half as wide again. `multum-bench coverage` has every real map and setting.
+// The measured footprints of a map stand for all of its footprints. Errors in units of the standard error have a mean
+// square of 1 if the interval is right, and less if evenly spread footprints know more than the interval assumes.
+// Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean square also finds
+// intervals that are one and a half times too wide. `multum-bench coverage` has every real map and setting.
 TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
   constexpr int kSize = 64, kSeeds = 60, kFew = 48;
   int held_of_all = 0, all = 0;
@@ -227,7 +229,7 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
     MovmfMeter meter(mipmap, false, settings);
     for (int l = 0; l < static_cast<int>(mipmap.levels.size()); ++l)
       meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
-    EXPECT_TRUE(meter.run(test_device(), normals, nullptr, nullptr).empty()) << "no table was asked for";
+    EXPECT_TRUE(meter.run(test_device(), normals, nullptr, nullptr).empty()) << "no table was requested";
     ASSERT_EQ(meter.footprint_errors().size(), 2u);
     const FootprintError whole = meter.footprint_errors().front();
     EXPECT_EQ(whole.brdf, AccuracyBrdf::blinn_phong(100.0));
@@ -237,28 +239,29 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
     double width = 0.0;
     for (const std::vector<FootprintError>& one : meter.replicate_errors()) {
       const FootprintError& sampled = one.front();
-      // All together have the one among them: that makes them nearer by sqrt(1 - 1 / n).
+      // The error of all footprints includes this sample, which lowers the difference by the factor sqrt(1 - 1 / n).
       const double off = (sampled.error - whole.error) / std::sqrt(1.0 - 1.0 / kSeeds);
       held += std::abs(off) <= sampled.confidence ? 1 : 0;
       width += sampled.confidence / kSeeds;
       squares += std::pow(off / sampled.confidence * 1.96, 2.0);
     }
     EXPECT_GE(held, least_held(kSeeds));
-    EXPECT_LT(width, 0.25 * whole.error) << "so wide that it says nothing";
+    EXPECT_LT(width, 0.25 * whole.error) << "the interval is too wide to be useful";
     held_of_all += held;
     all += kSeeds;
   }
   EXPECT_GE(held_of_all, least_held(all));
-  // Of `all` squares of unit normals the mean is off by sqrt(2 / all); four of these.
+  // The mean of `all` squares of unit normals has a standard error of sqrt(2 / all); four of these are allowed.
   EXPECT_LT(squares / all, 1.0 + 4.0 * std::sqrt(2.0 / all));
   EXPECT_GT(squares / all, 0.4);
 }
 
-// Of one normal all over the map every pixel shows f(n . h) max(n . l, 0) of it, whatever it covers: what is stored,
-// filtered and shaded with the cosine is the reference, but for the rounding of halfs and of 16 bits.
+// If all normals of the map are equal, every pixel shows f(n . h) max(n . l, 0), whatever it covers. The stored value,
+// filtered and shaded with the cosine, then equals the reference, except for rounding to halfs and to 16 bits.
 TEST(FootprintErrors, OfOneNormalAreNothing) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.4, -0.3, 0.8));
-  const NormalMap map = testing::make_map(24, 10, [&](int, int) { return normal; });  // the source refers to it
+  const NormalMap map =
+      testing::make_map(24, 10, [&](int, int) { return normal; });  // kept here, because the source refers to it
   const BakeSource source = source_of(map);
   for (const Representation representation : {Representation::kMovmf, Representation::kMoments}) {
     BakeJob job = job_on_two_threads();
@@ -273,7 +276,7 @@ TEST(FootprintErrors, OfOneNormalAreNothing) {
     meter->run(test_device(), source.map.normals, nullptr, nullptr);
     bool is_any = false;
     for (const FootprintError& one : meter->footprint_errors()) {
-      if (one.brdf.shading.starts_with("lean")) continue;  // is Gaussian: another highlight
+      if (one.brdf.shading.starts_with("lean")) continue;  // Gaussian: a different highlight
       is_any = true;
       EXPECT_LT(one.error, 1e-2) << one.brdf.text();
       EXPECT_LT(one.percentile_95, 1e-2) << one.brdf.text();

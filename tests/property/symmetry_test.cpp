@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake keeps of a map that is mirrored, turned by quarters or tiled twice: what docs/contributing/ALGORITHMS.md
-// says in "Reasons for the file format" is held here. What it does not keep, the lobes, is measured and printed.
+// Tests what a bake keeps if a map is mirrored, rotated by 90 degrees or tiled twice, as
+// docs/contributing/ALGORITHMS.md promises in "Reasons for the file format". The lobes are not kept; their difference
+// is measured and printed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -27,8 +28,8 @@ namespace {
 
 using testing::test_device;
 
-// A map laid out anew: texel (x, y) of it is that at place(x, y, size) of the map or of a level, whose size is given,
-// with its vectors turned. Rows go down, y of normals goes up.
+// A rearranged map: its texel (x, y) is the texel at place(x, y, size) of the map or of a level with that size, with
+// rotated vectors. Rows go down; y of normals goes up.
 struct Layout {
   const char* name;
   std::function<PlaneSize(PlaneSize)> size;
@@ -86,14 +87,15 @@ MovmfMipmap as_decoded(MovmfMipmap mipmap) {
   return mipmap;
 }
 
-// Sums over lobes of a texel: a r, the mean normal, and a, its energy.
+// Returns sums over a texel's lobes: of a r, the mean normal, and of a, its energy.
 glm::dvec4 lobe_sum(const MovmfLevel& level, std::size_t texel) {
   glm::dvec4 sum(0.0);
   for (const auto& lobe : level.lobes) sum += glm::dvec4(lobe[texel]);
   return sum;
 }
 
-// The largest difference of what every layout keeps, and of the lobes of levels 1 and up, in the levels that both have.
+// The largest difference of properties that every layout keeps, and of the lobes of levels 1 and up, in the levels that
+// both pyramids have.
 struct Differences {
   double finest = 0.0, mean = 0.0, energy = 0.0, lobes = 0.0;
 };
@@ -123,7 +125,7 @@ Differences compare(const Layout& layout, const MovmfMipmap& original, const Mov
   return found;
 }
 
-// Lights and half vectors that go with the map, so that references are the same: what differs then is the model.
+// Rearranges lights and half vectors like the map, so references are the same and only the model differs.
 AccuracySettings settings_for(const Layout& layout) {
   AccuracySettings settings;
   settings.samples_per_level = 0;
@@ -132,11 +134,11 @@ AccuracySettings settings_for(const Layout& layout) {
   return settings;
 }
 
-// How errors at texel centres differ in the levels that both have.
+// The difference of errors at texel centres in the levels that both pyramids have.
 struct ErrorDifference {
-  double most = 0.0;           // in parts of 1
-  double most_of_error = 0.0;  // in parts of the error where that is over 1 %
-  double mean = 0.0;           // of the mean over levels and BRDFs, in parts of it
+  double most = 0.0;           // largest difference, absolute
+  double most_of_error = 0.0;  // largest difference relative to the error, where that is above 1 %
+  double mean = 0.0;           // relative difference of the mean over levels and BRDFs
 };
 
 ErrorDifference error_difference(const std::vector<AccuracyRow>& a, const std::vector<AccuracyRow>& b) {
@@ -164,7 +166,7 @@ ErrorDifference error_difference(const std::vector<AccuracyRow>& a, const std::v
 struct SymmetryCase {
   const char* name;
   NormalMap map;
-  bool halves;  // each level is half the one before: tiles stay whole texels
+  bool halves;  // each level is half of the previous one, so tiles stay whole texels
 };
 
 std::vector<SymmetryCase> cases() {
@@ -179,15 +181,15 @@ class SymmetryTest : public ::testing::TestWithParam<int> {
 };
 INSTANTIATE_TEST_SUITE_P(Layouts, SymmetryTest, ::testing::Range(0, 4));
 
-// snorm16 keeps a value to half a step of 1/32767, so sums of four lobes differ by up to four steps a channel.
+// snorm16 keeps a value to half a step of 1/32767, so sums of four lobes differ by up to four steps per channel.
 constexpr double kStep = 1.0 / 32767.0;
 constexpr double kMeanSteps = 4.0 * 1.7321;
-// Sums of up to 4096 floats in another order: three times what these maps show.
+// Sums of up to 4096 floats in another order: three times the measured difference of these maps.
 constexpr double kFloatMean = 2e-6;
 
 TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   for (const auto& [name, map, halves] : cases()) {
-    if (is_tiled(layout()) && !halves) continue;  // texels of the two pyramids do not cover the same
+    if (is_tiled(layout()) && !halves) continue;  // texels of the two pyramids cover different areas
     for (const bool periodic : {false, true}) {
       if (periodic && !halves) continue;
       const MovmfMipmap original = bake(map, periodic), other = bake(laid_out(layout(), map), periodic);
@@ -207,9 +209,9 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// What is not the same, and how much it matters: docs/contributing/ALGORITHMS.md has these bounds. Worst here: 45 % of
-// a level's error, on noise of 64 x 16, where a normal at level 1 goes whole to one lobe or another, and 3.2 % of the
-// mean.
+// Bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them. The worst differences here: 45 % of
+// a level's error, on noise of 64 x 16, where a normal of level 1 goes entirely to one lobe or another; and 3.2 % of
+// the mean.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
 TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
@@ -222,17 +224,17 @@ TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
     const auto fixed = measure_accuracy(test_device(), b, other, settings_for(layouts().back()), nullptr);
     const ErrorDifference moved = error_difference(plain, turned), under_fixed = error_difference(plain, fixed);
     std::printf(
-        "%-22s %-20s errors differ by at most %.2f points, %.1f %% of themselves, their means by %.1f %%; under "
-        "lights that stay by %.2f points, %.0f %%, %.0f %%\n",
+        "%-22s %-20s errors differ by at most %.2f percentage points, %.1f %% of the error, means by %.1f %%; under "
+        "unchanged lights by %.2f percentage points, %.0f %%, %.0f %%\n",
         name, layout().name, 100.0 * moved.most, 100.0 * moved.most_of_error, 100.0 * moved.mean,
         100.0 * under_fixed.most, 100.0 * under_fixed.most_of_error, 100.0 * under_fixed.mean);
-    EXPECT_GT(compare(layout(), a, b).lobes, 30.0 * kStep) << name << ": say so in docs/contributing/ALGORITHMS.md";
+    EXPECT_GT(compare(layout(), a, b).lobes, 30.0 * kStep) << name << ": update docs/contributing/ALGORITHMS.md";
     EXPECT_LT(moved.most_of_error, kErrorsDiffer) << name;
     EXPECT_LT(moved.mean, kMeansDiffer) << name;
   }
 }
 
-// Plain averages prefer no direction: but for rounding, moments and harmonics err as before.
+// Averages prefer no direction: except for rounding, moments and harmonics have the same errors as before.
 TEST_P(SymmetryTest, AveragesErrAlike) {
   for (const auto& [name, map, halves] : cases()) {
     if (is_tiled(layout()) && !halves) continue;

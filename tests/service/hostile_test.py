@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service attacked: by what clients send, by files and folders that change under it, by its own settings. Each test
-is of a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM names the program.
+"""Attacks on the service: by clients' requests, by files and folders that change during a job, and by its own settings.
+Each test belongs to a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill hostile_test.py [-v] [HostileTest.test_...]
 """
@@ -29,14 +29,14 @@ class HostileTest(ClientCase):
         return one
 
     def said(self, *pieces, ends=True, timeout=20):
-        """What is answered to these bytes: its status, 0 for nothing, and all of it."""
+        """Returns the answer to these bytes: its status, 0 for no answer, and the whole text."""
         with self.line(timeout) as one:
             try:
                 for piece in pieces:
                     one.sendall(piece)
                 if ends:
                     one.shutdown(socket.SHUT_WR)
-            except OSError:  # cut off: there may be an answer all the same
+            except OSError:  # the connection was reset; an answer may have come before
                 pass
             text = b""
             try:
@@ -91,7 +91,7 @@ class HostileTest(ClientCase):
         self.assertEqual(self.said(b"GET /v1/jobs HTTP/1.1\r\n" + HOST + b"Content-Length: 5\r\n\r\nhello")[0], 413)
 
     def test_answers_and_events_have_their_part_of_memory(self):
-        """Jobs with long parameters, listed a thousand at a time by many, and told to listeners that do not listen."""
+        """Jobs with long parameters: many clients list a thousand at a time, and listeners do not read their events."""
         service = self.start(QUICK + 'request_memory_max = "16M"\nupload_max = "8M"\n')
         name = self.make_map()
         long_name = os.path.join(service.root, *(["x" * 200] * 15))
@@ -126,11 +126,11 @@ class HostileTest(ClientCase):
         for number in range(60):
             one = self.line()
             kind = number % 3
-            if kind == 0:  # an extension without end
+            if kind == 0:  # a chunk extension without end
                 one.sendall(b"POST /v1/jobs HTTP/1.1\r\n" + HOST + b"Transfer-Encoding: chunked\r\n\r\n5")
-            elif kind == 1:  # a body that stays away
+            elif kind == 1:  # a body that never comes
                 one.sendall(b"POST /v1/jobs HTTP/1.1\r\n" + HOST + b"Content-Length: 1000000\r\n\r\n" + b" " * 999999)
-            else:  # an upload that is held open
+            else:  # an upload that stays open
                 one.sendall(b"PUT /v1/uploads/a.bin HTTP/1.1\r\n" + HOST + b"Content-Length: 30000000\r\n\r\n")
                 try:
                     one.sendall(b"x" * (20 << 20))
@@ -155,7 +155,7 @@ class HostileTest(ClientCase):
     def test_without_memory_a_request_fails_and_not_the_daemon(self):
         service = self.start()
         if is_sanitized(service.process.pid):
-            self.skipTest("a sanitizer ends programs that have no memory")
+            self.skipTest("a sanitizer ends programs that run out of memory")
         with open(f"/proc/{service.process.pid}/status", encoding="utf-8") as file:
             status = file.read()
         now = int(next(row for row in status.splitlines() if row.startswith("VmSize:")).split()[1]) << 10
@@ -188,7 +188,7 @@ class HostileTest(ClientCase):
                              (HOST, 200), (HOST + b"Sec-Fetch-Site: same-origin\r\n", 200)):
             self.assertEqual(self.said(b"GET /v1/types HTTP/1.1\r\n" + head + b"\r\n")[0], status, head)
         self.assertEqual(self.said(b"GET / HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n")[0], 400)
-        # A line feed alone ends nothing, and is told at once.
+        # A single line feed does not end a line; the service refuses it at once.
         self.assertEqual(self.said(b"GET / HTTP/1.1\nHost: localhost\n\n", ends=False)[0], 400)
 
     def test_pages_of_others_are_not_served(self):
@@ -197,7 +197,7 @@ class HostileTest(ClientCase):
                         {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "same-site"},
                         {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}):
             self.refused(403, "origin", [], "GET", "/v1/jobs", headers=headers)
-        # A link to the page may be followed.
+        # Other sites may link to the page.
         self.assertEqual(self.service.ask("GET", "/", headers={"Sec-Fetch-Site": "cross-site",
                                                                "Sec-Fetch-Mode": "navigate"})[0], 200)
         self.refused(403, "origin", [], "GET", "/",
@@ -218,7 +218,7 @@ class HostileTest(ClientCase):
         self.assertEqual(service.metric("multum_http_event_streams"), 30)
         self.assertGreaterEqual(full, 20)
         self.alive()
-        # Idle lines take the rest: monitors are answered all the same, others told to come again.
+        # Idle connections take the remaining places. Monitors are still answered; other clients must try again later.
         idle = [self.line() for _ in range(40)]
         time.sleep(0.2)
         self.assertEqual(self.said(b"GET /healthz HTTP/1.1\r\n" + HOST + b"\r\n", ends=False)[0], 200)
@@ -235,7 +235,7 @@ class HostileTest(ClientCase):
         self.assertIn(b"event: missed", text)
         last = int(text.rsplit(b"\nid: ", 1)[1].split()[0])
         _, text = self.said(b"GET /v1/events HTTP/1.1\r\n" + HOST + b"Last-Event-ID: 0\r\n\r\n", timeout=1, ends=False)
-        self.assertNotIn(b"event: missed", text, "0 asks for all that are kept, and all are")
+        self.assertNotIn(b"event: missed", text, "0 requests all kept events, and all must come")
         self.assertIn(b"event: job", text)
         self.assertEqual(service.stop(), 0)
         service.start()
@@ -259,9 +259,9 @@ class HostileTest(ClientCase):
             file.write("weeks of work")
         job = {"type": "scene", "parameters": {"scene": self.output("scene.toml")}, "again": True}
         self.assertIn("notes.txt", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine)))
-        # The root itself holds the scene.
+        # The scene is in the root folder itself.
         made = self.output("made")
-        for _ in range(2):  # into nothing, then over a result of its own
+        for _ in range(2):  # into a new folder, then over its own result
             number = service.submit(**job, output=made)
             self.assertEqual(service.wait_for(number)["state"], "succeeded", service.job(number))
         self.assertTrue(os.path.exists(os.path.join(made, "plan.json")))
@@ -274,12 +274,12 @@ class HostileTest(ClientCase):
         self.assertIn("plan.json", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=made)))
         with open(os.path.join(mine, "notes.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "weeks of work")
-        # A listing that is a pipe is none; a name that is no UTF-8 is told all the same.
+        # A listing that is a pipe does not count. A name that is not UTF-8 is still shown.
         os.mkfifo(os.path.join(mine, ".multum-result"))
         with open(os.path.join(mine, "notes.txt").encode() + b"\xff", "wb"):
             pass
         self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine))
-        # What comes into the folder while it waits is seen before the work.
+        # A file that appears in the folder while the job waits is found before the work begins.
         late = self.output("late")
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})
         number = service.submit(**job, output=late, needs=[blocker], attempt_max=1)
@@ -332,7 +332,7 @@ class HostileTest(ClientCase):
         message = self.refused(400, "usage", [], "POST", "/v1/jobs",
                                {"type": "scene", "parameters": {"scene": path}, "output": self.output("a")})
         self.assertIn("secret.png", message)
-        # Nor is an upload an output.
+        # An upload cannot be an output either.
         self.refused(400, "usage", [], "POST", "/v1/jobs", {"type": "drill", "parameters": {}, "output": path})
 
     def test_hostile_scenes_cost_a_child(self):
@@ -346,7 +346,7 @@ class HostileTest(ClientCase):
         self.alive()
 
     def test_workers_open_nothing_outside(self):
-        """A picture that is swapped for a link after it was looked at: the worker's own system refuses it."""
+        """A picture is swapped for a link after the check: the sandbox of the worker refuses to open it."""
         service = self.start()
         source = self.make_map()
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})
@@ -426,7 +426,7 @@ class HostileTest(ClientCase):
             self.assertTrue(is_open_to("the first token of all"), text)
             self.assertFalse(is_open_to("the second token of all"), text)
             self.refused(401, "token", [], "GET", "/v1/jobs")
-        # The command line's file may hold another one by now; an empty one is none.
+        # The file of the command line may hold another token by now; an empty file is refused.
         with open(first, "w", encoding="utf-8") as file:
             file.write("the third token of all\n")
         reloads("")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Files of the service's jobs as its clients see them: inputs, uploads, results and downloads, and how much of them
-there may be. MULTUM names the program.
+"""Files of the service's jobs as clients see them: inputs, uploads, results and downloads, and limits on their size.
+MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill job_files_test.py [-v] [JobFilesTest.test_...]
 """
@@ -39,7 +39,7 @@ class JobFilesTest(ClientCase):
         with open(alone, "rb") as one, open(self.output("a.ndf.exr"), "rb") as other:
             self.assertEqual(one.read(), other.read())
         self.assertIn("written", self.client("tail", "1"))
-        # The same again is the same job; the same elsewhere is a copy; a changed map is another.
+        # An identical submission is the same job; with another output it is a copy; with a changed map it is a new job.
         again = {"type": "bake", "parameters": {"input": source, "lobes": 2}, "output": self.output("a.ndf.exr")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("b.ndf.exr")))
@@ -49,7 +49,7 @@ class JobFilesTest(ClientCase):
         os.remove(self.output("a.ndf.exr"))
         os.remove(self.output("b.ndf.exr"))
         made = service.wait_for(service.submit(**again))
-        self.assertIsNone(made["reused_from"], "there was nothing left to take it from")
+        self.assertIsNone(made["reused_from"], "no earlier result was left to copy")
         status, data = service.ask("GET", f"/v1/jobs/{made['id']}/result")
         self.assertEqual(status, 200)
         with open(self.output("a.ndf.exr"), "rb") as file:
@@ -68,19 +68,20 @@ class JobFilesTest(ClientCase):
                 return done, file.read()
 
         data = made("sub/a.ndf.exr")[1]
-        # It is moved away, to where no job may read, and a link put in its place; then the folder above it.
+        # The file moves to a folder that no job may read, and a link takes its place; then the same with the folder
+        # above it.
         elsewhere = os.path.join(self.folder, "elsewhere")
         os.mkdir(elsewhere)
         for name, moved in (("b.ndf.exr", "sub/a.ndf.exr"), ("c.ndf.exr", "sub")):
             if moved == "sub":
                 os.remove(self.output("sub/a.ndf.exr"))
                 made("sub/a.ndf.exr", again=True)
-                os.remove(self.output("b.ndf.exr"))  # else it is taken from there
+                os.remove(self.output("b.ndf.exr"))  # else the result would be copied from there
             target = os.path.join(elsewhere, os.path.basename(moved))
             shutil.move(self.output(moved), target)
             os.symlink(target, self.output(moved))
             done, again = made(name)
-            self.assertIsNone(done["reused_from"], "what lies behind a link is nobody's result")
+            self.assertIsNone(done["reused_from"], "a file behind a link does not count as a result")
             self.assertEqual((done["attempt"], again), (1, data))
         self.refused(409, "no_result", ["link"], "GET", "/v1/jobs/1/result")
 
@@ -88,7 +89,7 @@ class JobFilesTest(ClientCase):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
         root = os.fsencode(service.root)
-        # One that is not UTF-8, the name that its text would be by itself, and one with a character of the escape.
+        # A name that is not UTF-8, a valid name equal to its escaped text, and a name with a character of the escape.
         for name, text in ((b"caf\xe9", "caf\uefe9"), ("caf\uefe9".encode(), "caf\uefee\uefbf\uefa9"),
                            ("\u4e2d".encode(), "\u4e2d")):
             with self.subTest(name=name):
@@ -108,7 +109,7 @@ class JobFilesTest(ClientCase):
                 self.assertIn("''" + urllib.parse.quote(name) + ".ndf.exr", headers["Content-Disposition"])
                 with open(result, "rb") as file:
                     self.assertEqual((status, file.read()), (200, data))
-                # As it was answered, it can be submitted again.
+                # The answer's parameters can be submitted again.
                 again = {"type": "bake", "parameters": job["parameters"], "output": job["output"]}
                 self.assertEqual(service.ask("POST", "/v1/jobs", dict(again, again=True))[0], 201)
                 service.wait_until_idle()
@@ -131,7 +132,7 @@ class JobFilesTest(ClientCase):
             self.assertIn("/f\ueff6lder/", answer["path"])
             bad = service.wait_for(service.submit(type="bake", parameters={"input": answer["path"]},
                                                   output="a.ndf.exr", attempt_max=1))
-            self.assertIn("f\ueff6lder", bad["message"], "it was found, and is no picture")
+            self.assertIn("f\ueff6lder", bad["message"], "the file was found, but is not a picture")
             service.wait_for(self.drill(output="b.txt"))
             self.assertEqual(service.ask("GET", "/v1/jobs?limit=5")[0], 200)
             self.assertEqual(service.stop(), 0)
@@ -196,7 +197,7 @@ class JobFilesTest(ClientCase):
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200, "the same is there")
         subprocess.run([MULTUM, "testmap", "--size", "16", os.path.join(service.root, "q")], check=True,
                        capture_output=True)
-        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 201, "a map that it names is another")
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 201, "a map of the scene has changed")
         with open(scene, "w", encoding="utf-8") as file:
             file.write("[[map]]\n")
         self.refused(400, "input", ["scene.toml:1: ", "map", "name"], "POST", "/v1/jobs",
@@ -211,7 +212,7 @@ class JobFilesTest(ClientCase):
         manifest = self.output("field/inferred.json")
         with open(manifest, encoding="utf-8") as file:
             geometry = json.load(file)["geometry"]
-        self.assertEqual(geometry, os.path.realpath(self.output("quad.obj")), "found from wherever it is published")
+        self.assertEqual(geometry, os.path.realpath(self.output("quad.obj")), "found from every output folder")
         self.assertIn("succeeded", self.client("submit", "pack", manifest, "-o", self.output("field.mpt"), "--lambda",
                                                "20", "--wait"))
         self.assertIn("lambda 20", self.client("tail", "2"))
@@ -224,7 +225,8 @@ class JobFilesTest(ClientCase):
         self.assertEqual(service.ask("GET", "/v1/jobs/2/result"), (200, data))
         with open(self.output("unpacked/inferred.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["geometry"], geometry)
-        # The same again is the same job; the same elsewhere is a copy; another texture makes another.
+        # An identical submission is the same job; with another output it is a copy; with another texture it is a new
+        # job.
         again = {"type": "pack", "parameters": {"manifest": manifest, "lambda": 20}, "output": self.output("field.mpt")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("copy.mpt")))
@@ -240,7 +242,7 @@ class JobFilesTest(ClientCase):
         self.assertIsNone(made["reused_from"])
         with open(self.output("field.mpt"), "rb") as file:
             self.assertNotEqual(file.read(), data)
-        # What cannot be met is nothing to try again; no more than one target.
+        # A target that cannot be met is not tried again, and only one target may be given.
         job = service.wait_for(service.submit(type="pack", parameters={"manifest": manifest, "bytes": 10},
                                               output=self.output("none.mpt")))
         self.assertEqual((job["state"], len(service.job(job["id"])["attempts"])), ("dead", 1))
@@ -303,7 +305,7 @@ class JobFilesTest(ClientCase):
             json.dump(field, file)
         self.refused(400, "usage", ["secret.exr", self.results()], "POST", "/v1/jobs",
                      {"type": "pack", "parameters": {"manifest": manifest}, "output": self.output("a.mpt")})
-        # Its scene file: one that is there, one that is not, and a device. Nothing is told of what is outside.
+        # Scene files outside: an existing one, a missing one, and a device. The answer reveals nothing about them.
         field["objects"][0]["layers"] = []
         words = set()
         for geometry in (os.path.join(self.folder, "secret.exr"), os.path.join(self.folder, "nothing.exr"),
@@ -333,7 +335,7 @@ class JobFilesTest(ClientCase):
         service.ask("POST", "/v1/queues/default/resume")
         self.assertIsNone(service.wait_for(waiting)["reused_from"], "its input is not what it was")
         self.assertNotEqual(os.path.getsize(self.output("a.ndf.exr")), os.path.getsize(self.output("b.ndf.exr")))
-        # Its key names the first map: whoever has that one does not get what was made of the other.
+        # The job's key names the first map, so a client with that map does not get the result of the other.
         os.replace(first, source)
         copy = service.wait_for(service.submit(**job("c.ndf.exr")))
         self.assertEqual(copy["reused_from"], made["id"])
@@ -357,7 +359,7 @@ class JobFilesTest(ClientCase):
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/a%20b.png")
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/.hidden")
 
-    @unittest.skipUnless(shutil.which("curl"), "curl is not there, which the page's commands use")
+    @unittest.skipUnless(shutil.which("curl"), "curl is not installed; the page's commands use it")
     def test_the_commands_of_the_page_run_as_they_stand(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("rock")], check=True, capture_output=True)
@@ -391,7 +393,7 @@ class JobFilesTest(ClientCase):
         for name in ("../a.txt", root + "/a.txt", "sub/../../a.txt", "nowhere/a.txt", ".", "..", "sub/.."):
             with self.subTest(name=name):
                 self.refused(400, "usage", [self.results()], "POST", "/v1/jobs", {"type": "drill", "output": name})
-        # Nor is a relative input guessed at: the answer to its upload has the path.
+        # A relative input is not guessed either: the answer to an upload has its path.
         with contextlib.closing(service.connection()) as connection:
             connection.request("PUT", "/v1/uploads/a.png", b"a picture")
             upload = json.loads(connection.getresponse().read())
@@ -416,7 +418,7 @@ class JobFilesTest(ClientCase):
                 self.assertEqual((status, data.decode().strip()), (200, name))
                 sent = headers["Content-Disposition"]
                 self.assertTrue(sent.isascii() and sent.startswith("attachment; filename="), sent)
-                # As RFC 6266 has it: the extended name goes before the plain one, and both are safe.
+                # By RFC 6266 the extended name comes before the plain one; both are safe.
                 found = re.fullmatch(r'attachment; filename="([ -!#$&-\[\]-~]+)"'
                                      r"(?:; filename\*=UTF-8''([\w.%-]+))?", sent)
                 self.assertIsNotNone(found, sent)
@@ -448,20 +450,21 @@ class JobFilesTest(ClientCase):
         self.assertEqual(headers["Content-Disposition"],
                          "attachment; filename=\"b__ked.tar\"; filename*=UTF-8''b%C3%A4ked.tar")
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
-            self.assertEqual(sorted(archive.getnames()), sorted(expected), "what was published, and nothing else")
+            self.assertEqual(sorted(archive.getnames()), sorted(expected), "exactly the published files")
             for name, path in expected.items():
                 with open(path, "rb") as file:
                     self.assertEqual(archive.extractfile(name).read(), file.read(), name)
                 member = archive.getmember(name)
                 self.assertEqual(member.mtime, int(os.stat(path).st_mtime))
-                # The sum of unsigned bytes, the checksum's own as blanks: readers forgive one of signed bytes.
+                # tar's checksum: the sum of unsigned bytes, with the checksum field as blanks. Readers also accept
+                # signed bytes.
                 head = data[member.offset_data - 512:member.offset_data]
                 self.assertEqual(int(head[148:154], 8), sum(head[:148] + b" " * 8 + head[156:]))
         listed = subprocess.run(["tar", "tf", "-"], input=data, capture_output=True, check=False,
                                 env=dict(os.environ, LC_ALL="C.UTF-8"))
         self.assertEqual((listed.returncode, listed.stderr), (0, b""))
         service.ask("HEAD", f"/v1/jobs/{made['id']}/result")
-        # A listing that names what is not below the folder, or not as it was, has no archive.
+        # There is no archive if the listing names files outside the folder, or files that have changed.
         listing = os.path.join(folder, ".multum-result")
         published = listed_files(folder)
         secret = os.path.join(self.folder, "secret")
@@ -470,7 +473,7 @@ class JobFilesTest(ClientCase):
         state = f"{os.stat(secret).st_size} {os.stat(secret).st_mtime_ns}"
         os.symlink(secret, os.path.join(folder, "door"))
         wall = os.stat(os.path.join(folder, "wall.ndf.exr"))
-        own = f"{wall.st_size} {wall.st_mtime_ns}"  # what is there, by names that an archive must not have
+        own = f"{wall.st_size} {wall.st_mtime_ns}"  # existing files under names that an archive must not have
         for name, listed in (("../../secret", state), (secret, state), ("door", state), ("nothing", state),
                              ("wall.ndf.exr/../../../secret", state), ("./wall.ndf.exr", own),
                              ("../b\u00e4ked/wall.ndf.exr", own), (os.path.join(folder, "wall.ndf.exr"), own)):
@@ -478,7 +481,7 @@ class JobFilesTest(ClientCase):
                 seal_listing(service.data, folder, f"{published}{listed} {name}\n")
                 message = self.refused(409, "no_result", [], "GET", f"/v1/jobs/{made['id']}/result")
                 self.assertIn(name, message)
-        # Nor has one that somebody else has written: without a seal, and with another's.
+        # There is no archive for a listing that another program wrote: without a seal, and with a forged seal.
         for forged in (published, f"{published}seal {'0' * 64}\n"):
             with open(listing, "w", encoding="utf-8") as file:
                 file.write(forged)
@@ -517,7 +520,7 @@ class JobFilesTest(ClientCase):
         self.assertEqual(received, int(response.headers["Content-Length"]))
         if not is_sanitized(service.process.pid):
             self.assertLess(resident_bytes(service.process.pid), before + (8 << 20))
-        # What is changed while it is sent is not sent as if it were whole.
+        # If a file changes while it is sent, the transfer does not end as if it were complete.
         with contextlib.closing(service.connection()) as connection:
             connection.request("GET", f"/v1/jobs/{made['id']}/result")
             response = connection.getresponse()
@@ -525,7 +528,7 @@ class JobFilesTest(ClientCase):
             os.utime(large)
             with self.assertRaises(http.client.IncompleteRead):
                 response.read()
-        # Nor does a list of files that is longer than all memory there is for requests.
+        # A list of files that is longer than all memory for requests is refused too.
         with open(os.path.join(folder, ".multum-result"), "a", encoding="utf-8") as file:
             for i in range(40000):
                 file.write(f"0 0 {'name' * 12}-{i}\n")
@@ -546,14 +549,14 @@ class JobFilesTest(ClientCase):
         self.assertEqual(upload(20 << 10)[0], 201)
         results = os.path.join(service.data, "results", "a.txt")
         large = os.path.join(service.data, "results", "large")
-        counted_for = 5.5  # seconds, and a little
+        counted_for = 5.5  # seconds, and a margin
         service.ask("POST", "/v1/queues/default/pause")
         accepted = self.drill(output=results, attempt_max=100)
         with open(large, "wb") as file:
             file.write(bytes(20 << 10))
         time.sleep(counted_for)
         self.refused(507, "quota", [], "POST", "/v1/jobs", {"type": "drill", "output": results + "x"})
-        # Nor is one begun that was accepted while there was room, until there is some again; others are.
+        # A job that was accepted earlier waits until there is room again; other jobs run.
         service.ask("POST", "/v1/queues/default/resume")
         service.wait_for(self.drill(output=self.output("a.txt")))
         deadline = time.monotonic() + 20
@@ -583,7 +586,7 @@ class JobFilesTest(ClientCase):
                 except OSError:
                     pass
             status = 201
-            for _ in range(2000):  # what room the ledger has of its own
+            for _ in range(2000):  # space that the ledger keeps for itself
                 status, answer = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"text": "x" * 900}})
                 if status != 201:
                     break

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service's ledger: damaged, rescued, taken away, another's, and jobs that need others. MULTUM names the program.
+"""The service's ledger: damaged, rescued, removed, or of another version; and jobs that need others. MULTUM names the
+program.
 
   MULTUM=build/release/bin/multum-drill ledger_test.py [-v] [LedgerTest.test_...]
 """
@@ -37,7 +38,7 @@ class LedgerTest(ClientCase):
         self.assertIn("docs/reference/service.md", service.log_text().splitlines()[-1], "and a way out")
 
     def damage(self):
-        """The list of tables."""
+        """Overwrites the list of tables."""
         with open(os.path.join(self.service.data, "jobs.sqlite"), "r+b") as file:
             file.seek(100)
             file.write(b"\xee" * 3900)
@@ -74,19 +75,19 @@ class LedgerTest(ClientCase):
         service.options.append("--new-ledger")
         service.start()
         new = self.drill()
-        self.assertGreater(new, old, "an old job's log would be a new one's")
+        self.assertGreater(new, old, "the log of an old job would become that of a new one")
         service.wait_for(new)
         service.process.send_signal(signal.SIGHUP)
         service.wait_for_log("read again")
         self.client("purge", str(new))
         service.stop()
         service.start(wait=False)
-        self.assertEqual(service.process.wait(30), 2, "a ledger that is there is not forgotten")
+        self.assertEqual(service.process.wait(30), 2, "an existing ledger must not be forgotten")
         service.options.remove("--new-ledger")
         service.start()
         self.assertEqual(self.drill(), new + 1)
         with open(result, encoding="utf-8") as file:
-            self.assertEqual(file.read(), "kept\n", "its ledger may come back")
+            self.assertEqual(file.read(), "kept\n", "the removed ledger may come back")
         self.assertTrue(os.path.exists(os.path.join(service.data, "logs", f"{old}.log")))
 
     def test_a_ledger_that_is_taken_away_meanwhile_is_an_alarm(self):
@@ -97,7 +98,7 @@ class LedgerTest(ClientCase):
         ledger = os.path.join(service.data, "jobs.sqlite")
         for part in ("", "-wal"):
             os.rename(ledger + part, os.path.join(self.folder, "away" + part))
-        shutil.copy(os.path.join(self.folder, "away"), ledger)  # another file in its place
+        shutil.copy(os.path.join(self.folder, "away"), ledger)  # another file replaces the ledger
         for _ in range(3):
             self.refused(503, "environment", ["jobs.sqlite", "replaced", "put back"], "POST", "/v1/jobs",
                          {"type": "drill"})

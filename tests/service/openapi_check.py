@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Holds answers to the service's own OpenAPI 3.1 file: the operation, its status, the body's type and schema."""
+"""Checks answers against the service's own OpenAPI 3.1 file: the operation, its status, the body's type and schema."""
 import json
 import re
 import warnings
 
 with warnings.catch_warnings():
-    warnings.simplefilter("ignore", DeprecationWarning)  # newer versions have another resolver; 4.10 has this one
+    warnings.simplefilter("ignore", DeprecationWarning)  # newer versions have another resolver; 4.10 still has this one
     from jsonschema import Draft202012Validator, FormatChecker, RefResolver
 
 TIME = re.compile(r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")
@@ -14,7 +14,7 @@ FORMATS.checks("date-time")(lambda value: not isinstance(value, str) or bool(TIM
 
 
 class OpenapiCheck:
-    """Counts what it has seen: `seen` has (method, path template, status)."""
+    """Records the checked answers: `seen` has (method, path template, status)."""
 
     def __init__(self, document):
         self.document = document
@@ -30,7 +30,7 @@ class OpenapiCheck:
         return node
 
     def errors(self, schema, value):
-        """Messages of what is not as the schema says."""
+        """Returns messages about differences from the schema."""
         key = json.dumps(schema)
         if key not in self.validators:
             self.validators[key] = Draft202012Validator(schema, resolver=self.resolver, format_checker=FORMATS)
@@ -39,24 +39,24 @@ class OpenapiCheck:
 
     def template_of(self, target):
         path = target.split("?")[0]
-        # A path without parts to fill in goes before one that has them.
+        # A path without placeholders takes precedence over a path with placeholders.
         found = [template for pattern, template in self.paths if pattern.match(path)]
         return min(found, key=lambda one: one.count("{"), default=None)
 
     def check(self, method, target, status, headers, body):
-        """Raises AssertionError saying what is not as described."""
+        """Raises AssertionError that names the difference from the file."""
         method = "get" if method == "HEAD" else method.lower()
         template = self.template_of(target)
         operation = self.document["paths"].get(template, {}).get(method)
         name = f"{method.upper()} {target[:100]} -> {status}"
         self.seen.add((method, template, status))
         if operation is None:
-            assert status in (400, 403, 404, 405), f"{name}: is in no description, expected 403, 404 or 405"
+            assert status in (400, 403, 404, 405), f"{name}: is not described, expected 403, 404 or 405"
             schema, kind = {"$ref": "#/components/schemas/Refusal"}, "application/json"
         else:
             responses = operation["responses"]
             response = responses.get(str(status)) or responses.get(f"{status // 100}XX")
-            assert response is not None, f"{name}: is no status of {sorted(responses)}"
+            assert response is not None, f"{name}: found an undescribed status, expected one of {sorted(responses)}"
             content = self.resolved(response).get("content", {})
             kind = headers.get("Content-Type", "")
             assert kind in content, f"{name}: is {kind!r}, expected one of {sorted(content)}"

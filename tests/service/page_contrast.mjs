@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the contrast of texts on a page in a browser, for tests of pages.
 
-/** Texts whose contrast is below that of WCAG AA, as the browser has laid them out. */
+/** Returns texts whose contrast is below that of WCAG AA, as the browser has laid them out. */
 export const lowContrasts = (page) => page.evaluate(() => {
   const parse = (colour) => {
     const [r, g, b, a = 1] = colour.match(/[\d.]+/g).map(Number);

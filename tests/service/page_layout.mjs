@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks at where a page's parts lie: what is beyond the window, cut, or over something else.
+// Checks the layout of a page: parts beyond the window, cut parts, and parts that cover others.
 
-/** Windows that every page is looked at in: the narrowest phones, and 1280 x 800 at 200 %. */
+/** Window sizes in which every page is checked: the narrowest phones, and 1280 x 800 at 200 %. */
 export const NARROW = [{ viewport: { width: 320, height: 640 }, deviceScaleFactor: 1 },
   { viewport: { width: 640, height: 400 }, deviceScaleFactor: 2 }];
 
 /**
- * What is wrong within `root`, in words; [] where nothing is. Parts of what scrolls sideways, as wide tables do, and
- * inputs, whose texts browsers lay out, are passed over.
+ * Returns the layout problems within `root` as texts; [] if there are none. Skips parts of elements that scroll
+ * sideways, such as wide tables, and inputs, whose texts browsers lay out.
  */
 export const misplaced = (page, root = "body") => page.evaluate((selector) => {
   const top = document.querySelector(selector);
   const width = document.documentElement.clientWidth, found = new Set();
   const isShown = (element) => {
-    if (!element.checkVisibility({ visibilityProperty: true })) return false; // in details that are closed too
-    for (let above = element; above !== null; above = above.parentElement) // for screen readers alone
+    if (!element.checkVisibility({ visibilityProperty: true })) return false; // includes closed details
+    for (let above = element; above !== null; above = above.parentElement) // only for screen readers
       if (above.getBoundingClientRect().width <= 1 && getComputedStyle(above).overflow === "hidden") return false;
     return true;
   };
@@ -31,7 +31,7 @@ export const misplaced = (page, root = "body") => page.evaluate((selector) => {
     if (!isShown(element)) continue;
     const { left, right } = element.getBoundingClientRect();
     if ((left < -0.5 || right > width + 0.5) && !scrolls(element))
-      found.add(`${nameOf(element)} lies at ${Math.round(left)} to ${Math.round(right)} px of ${width}`);
+      found.add(`${nameOf(element)} is at ${Math.round(left)} to ${Math.round(right)} px of ${width}`);
     if (element.scrollWidth > element.clientWidth + 1 && element.clientWidth > 0 &&
         /hidden|clip/.test(getComputedStyle(element).overflowX))
       found.add(`${nameOf(element)} is cut: ${element.scrollWidth} px in ${element.clientWidth}`);

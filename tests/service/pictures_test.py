@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of jobs: made once, by a child whose crash, hang or absence costs pictures alone. MULTUM names the program.
+"""Pictures of jobs: a child process makes them once, and its crash, hang or absence affects only pictures. MULTUM names
+the program.
 
   MULTUM=build/release/bin/multum-drill pictures_test.py [-v] [PicturesTest.test_...]
 """
@@ -28,7 +29,7 @@ def png_size(data):
 
 class PicturesTest(ServiceCase):
     def start(self, viewer=None, **more):
-        """`viewer`: the text of a shell script that is multum-view for this daemon; "": there is none."""
+        """`viewer`: a shell script that replaces multum-view for this daemon; "": no multum-view."""
         multum = MULTUM
         if viewer is not None:
             multum = os.path.join(self.folder, "bin", "multum")
@@ -64,7 +65,7 @@ class PicturesTest(ServiceCase):
 
     def folders(self):
         pictures = os.path.join(self.service.data, "pictures")
-        # A daemon that ends removes the folder if it is empty.
+        # When it ends, a daemon removes the folder if it is empty.
         return sorted(os.listdir(pictures)) if os.path.exists(pictures) else []
 
     def test_three_pictures_of_a_bake(self):
@@ -108,7 +109,7 @@ class PicturesTest(ServiceCase):
         os.remove(self.path("q_normal.png"))
         self.refused(job, "input", "input")
         self.assertEqual(self.ask(job, "render")[0], 200)
-        # A link to the result in its place is none.
+        # A link to the moved result does not count as the result.
         shutil.move(self.path("q.ndf.exr"), self.path("moved.ndf.exr"))
         os.symlink(self.path("moved.ndf.exr"), self.path("q.ndf.exr"))
         self.refused(job, "render", "result")
@@ -118,16 +119,16 @@ class PicturesTest(ServiceCase):
         job = self.bake()
         self.assertEqual(self.ask(job, "render")[0], 200)
         shutil.rmtree(os.path.join(service.data, "pictures"))
-        self.assertEqual(self.ask(job, "render")[0], 200, "the folder is made again")
+        self.assertEqual(self.ask(job, "render")[0], 200, "the folder must be made again")
         shutil.rmtree(os.path.join(service.data, "pictures"))
         service.stop()
-        # Less than they take.
+        # A limit below the size of the pictures.
         with open(os.path.join(self.folder, "serve.toml"), "a", encoding="utf-8") as file:
             file.write('data_max = "8K"\n')
         service.start()
         status, answer = self.ask(job, "render")
         self.assertEqual((status, answer["error"]["code"]), (507, "quota"), answer)
-        self.assertEqual(self.folders(), [], "what has no room is not kept")
+        self.assertEqual(self.folders(), [], "pictures without room must not be kept")
 
     def pack(self):
         write_animation(self.service.root, 0.25)
@@ -159,14 +160,14 @@ class PicturesTest(ServiceCase):
         baked = self.bake()
         status, answer = self.service.ask("GET", f"/v1/jobs/{baked}/pictures/player.html")
         self.assertEqual((status, answer["error"]["code"]), (404, "no_picture"))
-        # The scene file is another by now: the reason is said.
+        # The scene file has changed since the bake: the answer says why there is no picture.
         other = self.service.wait_for(self.service.submit(
             type="pack", parameters={"manifest": self.path("field/inferred.json"), "lambda": 30},
             output=self.path("other.mpt")))
         with open(self.path("quad.obj"), "a", encoding="utf-8") as file:
             file.write("# changed\n")
         def refused_player(words):
-            # One that failed is remembered until the daemon is started again.
+            # A failed picture is remembered until the daemon restarts.
             self.service.stop()
             self.service.start()
             status, answer = self.service.ask("GET", f"/v1/jobs/{other['id']}/pictures/player.html", timeout=120)
@@ -175,7 +176,7 @@ class PicturesTest(ServiceCase):
             return answer["error"]["message"]
 
         refused_player("not the geometry")
-        # A pipe is not waited for; nothing is told of what is outside, whether it is there or not.
+        # The service does not wait for a pipe. It reveals nothing about files outside, whether they exist or not.
         geometry = self.path("quad.obj")
         os.remove(geometry)
         os.mkfifo(geometry)
@@ -200,7 +201,7 @@ class PicturesTest(ServiceCase):
     def test_a_bake_of_lobes_has_a_look_page(self):
         service = self.start()
         job = self.bake(lobes=2)
-        # Others that were made before: the oldest goes.
+        # Older pictures exist: the oldest is removed.
         pictures = os.path.join(service.data, "pictures")
         for age in range(16):
             folder = os.path.join(pictures, f"{900 + age}-1-2-look")
@@ -218,13 +219,13 @@ class PicturesTest(ServiceCase):
         with urllib.request.urlopen(f"http://127.0.0.1:{service.port}/v1/jobs/{job}/pictures/look.html") as one:
             self.assertIn("sandbox allow-scripts", one.headers["Content-Security-Policy"])
             self.assertNotIn("allow-same-origin", one.headers["Content-Security-Policy"])
-        # It is kept for who asks again, as long as the map is there and the same.
+        # The page is kept for later requests, as long as the map exists and is unchanged.
         self.assertEqual(self.look(job)[0], 200)
         shutil.move(self.path("q_normal.png"), self.path("kept.png"))
         self.refused_look(job, "q_normal.png")
         shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
         self.refused_look(job, "changed")
-        shutil.copy(self.path("kept.png"), self.path("q_normal.png"))  # the same, by another file
+        shutil.copy(self.path("kept.png"), self.path("q_normal.png"))  # the same contents in another file
         self.assertEqual(self.look(job)[0], 200)
         self.assertEqual(self.ask(job, "render")[0], 200)
         self.assertEqual(service.ask("POST", "/v1/purge", {"jobs": [job]})[0], 200)
@@ -239,7 +240,7 @@ class PicturesTest(ServiceCase):
         gone, changed = self.bake("gone.ndf.exr"), self.bake("changed.ndf.exr", lobes=2)
         shutil.move(self.path("q_normal.png"), self.path("kept.png"))
         self.refused_look(gone, "q_normal.png")
-        # Its absence is not remembered: it may come back.
+        # A missing map is not remembered: it may come back.
         shutil.move(self.path("kept.png"), self.path("q_normal.png"))
         self.assertEqual(self.look(gone)[0], 200)
         shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
@@ -259,7 +260,7 @@ class PicturesTest(ServiceCase):
         self.assertEqual(service.ask("GET", f"/v1/jobs/{drill}/pictures/other.png")[0], 404)
 
     def test_a_crash_is_one_childs_and_is_remembered(self):
-        # A cache is one of the few places that it may write to.
+        # The cache is one of the few folders that the viewer may write to.
         cache = os.path.join(self.folder, "cache")
         service = self.start('echo x >> "$MESA_SHADER_CACHE_DIR/begun"\nsleep 1\nkill -SEGV $$\n',
                              environment={"MESA_SHADER_CACHE_DIR": cache})
@@ -275,11 +276,11 @@ class PicturesTest(ServiceCase):
             thread.join()
         self.assertEqual({status for status, _ in answers}, {404})
         self.assertIn("signal 11", answers[0][1]["error"]["message"])
-        self.assertLess(healthy, 0.9, "health waits for no child")
+        self.assertLess(healthy, 0.9, "/healthz must not wait for a child")
         self.refused(job, "input", "signal 11")
         with open(os.path.join(cache, "begun"), encoding="utf-8") as file:
-            self.assertEqual(len(file.read()), 2, "one child for all who ask, and none for who asks later")
-        # A daemon that starts tries it once more.
+            self.assertEqual(len(file.read()), 2, "one child serves all requests, later ones too")
+        # A restarted daemon tries once more.
         service.stop()
         service.start()
         self.refused(job, "render", "signal 11")
@@ -287,7 +288,7 @@ class PicturesTest(ServiceCase):
             self.assertEqual(len(file.read()), 4)
 
     def ask_of_a_viewer_that_hangs(self):
-        """The service, the thread that waits for a picture, and the viewer's process, which has begun."""
+        """Returns the service, the thread that waits for a picture, and the viewer's running process."""
         cache = os.path.join(self.folder, "cache")
         service = self.start('echo $$ > "$MESA_SHADER_CACHE_DIR/begun"\nexec sleep 1000\n',
                              environment={"MESA_SHADER_CACHE_DIR": cache})
@@ -316,7 +317,7 @@ class PicturesTest(ServiceCase):
 
         while is_there() and time.monotonic() < deadline:
             time.sleep(0.02)
-        self.assertFalse(is_there(), "it goes on for its minute")
+        self.assertFalse(is_there(), "the child must run on for its minute")
 
     def test_a_child_that_hangs_keeps_nobody_from_ending(self):
         service, thread, _ = self.ask_of_a_viewer_that_hangs()
@@ -343,7 +344,7 @@ class PicturesTest(ServiceCase):
         self.assertEqual(service.ask("POST", "/v1/purge", {"jobs": [gone]})[0], 200)
         service.stop()
         pictures = os.path.join(service.data, "pictures")
-        # A daemon may have died between the purge and this.
+        # A daemon may have died between the purge and the removal of this folder.
         shutil.copytree(os.path.join(pictures, self.folders()[0]), os.path.join(pictures, f"{gone}-1-2-3"))
         service.start()
         deadline = time.monotonic() + 10

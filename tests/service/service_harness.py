@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A daemon in a folder of its own, and its clients: what the service's tests share. Standard library alone."""
+"""A daemon in its own folder, and its clients, for the service's tests. Uses only the standard library."""
 import atexit
 import hmac
 import http.client
@@ -13,12 +13,12 @@ import tempfile
 import time
 import unittest
 
-MULTUM = os.environ.get("MULTUM", "multum-drill")  # multum with a type of job for tests, drill/drill_job.h
+MULTUM = os.environ.get("MULTUM", "multum-drill")  # multum with a job type for tests, drill/drill_job.h
 QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 
 
 class Service:
-    """`multum serve` on a free port of loopback."""
+    """`multum serve` on a free loopback port."""
 
     def __init__(self, multum, folder, options=(), config=None, environment=None):
         self.multum = multum
@@ -32,13 +32,13 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        # Without multum's cache of programs: PoCL keeps what it compiles by itself, and it compiles what is launched,
-        # where a program in a file has all of its kernels.
+        # Without multum's program cache: PoCL has its own cache and compiles only launched kernels. A cached program of
+        # multum would have all of its kernels compiled.
         self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
         self.port = 0
-        self.checker = None  # of every answer: an OpenapiCheck
+        self.checker = None  # checks every answer: an OpenapiCheck
 
     def start(self, wait=True, port=0):
         address = os.path.join(self.data, "address")
@@ -74,7 +74,7 @@ class Service:
 
     @staticmethod
     def end(process):
-        """Whatever has become of the test."""
+        """Ends the daemon, even after a failed test."""
         if process.poll() is None:
             process.kill()
             process.wait()
@@ -84,13 +84,13 @@ class Service:
         self.process.wait()
 
     def stop(self, timeout=60):
-        """SIGTERM; returns the exit code."""
+        """Sends SIGTERM and returns the exit code."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
         return self.process.wait(timeout)
 
     def workers(self):
-        """Their process numbers."""
+        """Returns the process numbers of the workers."""
         path = f"/proc/{self.process.pid}/task/{self.process.pid}/children"
         try:
             with open(path, encoding="utf-8") as file:
@@ -102,7 +102,7 @@ class Service:
         return http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
 
     def ask(self, method, target, body=None, headers=None, connection=None, timeout=30):
-        """Returns status and answer: JSON if it is, else bytes."""
+        """Returns the status and the answer: parsed if it is JSON, else bytes."""
         use = connection or self.connection(timeout)
         data = None if body is None else json.dumps(body)
         use.request(method, target, data, headers or {})
@@ -141,7 +141,7 @@ class Service:
             job = self.job(number)
             if job["state"] in states:
                 return job
-            assert time.monotonic() < deadline, f"job {number} stays {job['state']}: {job}"
+            assert time.monotonic() < deadline, f"job {number} is still {job['state']}: {job}"
             time.sleep(0.02)
 
     def wait_until_idle(self, timeout=300):
@@ -155,7 +155,7 @@ class Service:
 
 
 class ServiceCase(unittest.TestCase):
-    """A test with a folder of its own, and a daemon, which `start()` of its own class makes, that ends with it."""
+    """A test with its own folder and a daemon, which the subclass's `start()` makes and which ends with the test."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -168,14 +168,14 @@ class ServiceCase(unittest.TestCase):
 
 
 class ClientCase(ServiceCase):
-    """What tests of a client's view do with their daemon."""
+    """Helpers for tests that see the daemon as clients do."""
 
-    checks_answers = False  # each against docs/reference/openapi.json
+    checks_answers = False  # each checked against docs/reference/openapi.json
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
         if self.checks_answers:
-            from openapi_check import OpenapiCheck  # which wants a package that not all tests do
+            from openapi_check import OpenapiCheck  # needs a package that some tests lack
             self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
         return self.service
 
@@ -186,7 +186,7 @@ class ClientCase(ServiceCase):
         return os.path.join(os.path.realpath(self.service.data), "results")
 
     def drill(self, seconds=0, **job):
-        """A job that does nothing, and ends as asked."""
+        """Submits a job that does nothing and ends as told."""
         parameters = {"seconds": seconds}
         for name in ("then", "text"):
             if name in job:
@@ -200,7 +200,8 @@ class ClientCase(ServiceCase):
         return done.stdout + done.stderr
 
     def refused(self, status, code, values, *question, **more):
-        """The message, which has every one of `values`: keys, names and numbers, whatever the sentence around them."""
+        """Checks that the message contains every one of `values`, in any wording: keys, names and numbers. Returns
+        it."""
         found, answer = self.service.ask(*question, **more)
         self.assertEqual((found, answer["error"]["code"]), (status, code), answer)
         for value in values:
@@ -209,9 +210,8 @@ class ClientCase(ServiceCase):
 
 
 def with_drill(document, types):
-    """docs/reference/openapi.json, which describes multum, with the type of job that multum-drill has besides;
-    `types`: the
-    answer of /v1/types."""
+    """Returns docs/reference/openapi.json, which describes multum, with the additional job type of multum-drill.
+    `types`: the answer of /v1/types."""
     schemas = document["components"]["schemas"]
     schemas["DrillParameters"] = next(one["parameters"] for one in types["types"] if one["name"] == "drill")
     schemas["Submission"]["properties"]["type"]["enum"].append("drill")
@@ -222,7 +222,7 @@ def with_drill(document, types):
 
 
 def seal_listing(data, folder, lines):
-    """Writes the list of a published folder's files as the daemon with these DATA would have."""
+    """Writes the list of a published folder's files as the daemon with these DATA would."""
     with open(os.path.join(data, "seal"), encoding="utf-8") as file:
         key = file.read().strip().encode()
     text = f"multum-result {os.stat(folder).st_ino}\n{lines}".encode("utf-8", "surrogateescape")
@@ -231,7 +231,7 @@ def seal_listing(data, folder, lines):
 
 
 def listed_files(folder):
-    """The lines of files of such a list."""
+    """Returns the lines of such a list that name files."""
     with open(os.path.join(folder, ".multum-result"), encoding="utf-8", errors="surrogateescape") as file:
         return "".join(line for line in file if not line.startswith("seal "))
 
@@ -242,14 +242,14 @@ def resident_bytes(pid):
 
 
 def process_state(pid):
-    """Resident bytes, open files, threads."""
+    """Returns resident bytes, open files and threads."""
     with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
         threads = int(file.read().rsplit(")", 1)[1].split()[17])
     return resident_bytes(pid), len(os.listdir(f"/proc/{pid}/fd")), threads
 
 
 def is_sanitized(pid):
-    """Built with a sanitizer, whose memory is not the program's."""
+    """Returns whether the program was built with a sanitizer, which uses memory of its own."""
     with open(f"/proc/{pid}/maps", encoding="utf-8") as file:
         text = file.read()
     return "libasan" in text or "libtsan" in text

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service as its clients see it: lives of jobs, queues, events, what is refused, and how it ends. MULTUM names the
-program.
+"""The service as clients see it: the life of jobs, queues, events, refusals, and shutdown. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill service_test.py [-v] [ServiceTest.test_...]
 """
@@ -26,7 +25,7 @@ class ServiceTest(ClientCase):
     checks_answers = True
 
     def on_terminal(self, *arguments):
-        """What the terminal of a client gets, as bytes."""
+        """Returns the bytes that a client's terminal receives."""
         try:
             terminal, inner = pty.openpty()
         except OSError:
@@ -35,7 +34,7 @@ class ServiceTest(ClientCase):
                                   env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
         os.close(inner)
         shown = b""
-        with contextlib.suppress(OSError):  # Linux ends it so when the client is gone
+        with contextlib.suppress(OSError):  # Linux reports EIO when the client has ended
             while part := os.read(terminal, 65536):
                 shown += part
         os.close(terminal)
@@ -43,7 +42,7 @@ class ServiceTest(ClientCase):
         return shown
 
     def refused_path(self, path, job, is_outside=True):
-        """Named, and if it is outside, the folders that may be used too."""
+        """Checks that the file is named; for a file outside, that the allowed folders are named too."""
         message = self.refused(400, "usage", [], "POST", "/v1/jobs", job)
         self.assertTrue(message.startswith(f"{path}: "), message)
         self.assertEqual(self.results() in message, is_outside, message)
@@ -149,7 +148,7 @@ class ServiceTest(ClientCase):
                 shown = self.on_terminal(*arguments)
                 self.assertFalse(any(byte in shown for byte in (b"\x9b", b"\x7f")), shown)
                 self.assertIn(b"31m", shown)
-        # A pipe gets the log as it is.
+        # A pipe receives the log unchanged.
         self.assertIn(source, self.client("tail", "1", code=1))
         self.assertEqual(json.loads(self.client("show", "1"))["message"], job["message"])
 
@@ -168,7 +167,7 @@ class ServiceTest(ClientCase):
         service.wait_for(stall, ["running"])
         self.client("cancel", str(stall))
         self.assertEqual(service.wait_for(stall)["state"], "cancelled")
-        self.assertEqual(os.listdir(service.root), [], "nothing half made is left")
+        self.assertEqual(os.listdir(service.root), [], "no unfinished file may be left")
 
     def test_a_cancelled_job_that_is_retried_runs(self):
         service = self.start(QUICK + "workers = 1\n")
@@ -192,7 +191,7 @@ class ServiceTest(ClientCase):
             worker = next(pid for pid in service.workers() if pid not in old)
             files = os.listdir(f"/proc/{worker}/fd")
             sockets = [file for file in files if os.readlink(f"/proc/{worker}/fd/{file}").startswith("socket:")]
-        self.assertEqual(sockets, ["3"], "of its own alone")
+        self.assertEqual(sockets, ["3"], "only its own socket")
 
     def test_dependencies_deadlines_and_order(self):
         service = self.start(QUICK + "workers = 1\n")
@@ -217,12 +216,12 @@ class ServiceTest(ClientCase):
 
     def test_who_waits_misses_no_end_and_outlives_a_restart(self):
         service = self.start()
-        # Jobs that end while the client asks: it must not wait for what has happened already.
+        # Jobs may end while the client asks: it must not wait for events that have already happened.
         for _ in range(20):
             self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
-        deadline = time.monotonic() + 5  # less than a pulse
+        deadline = time.monotonic() + 5  # shorter than a heartbeat
         while service.metric("multum_http_event_streams") > 0:
-            self.assertLess(time.monotonic(), deadline, "listeners who have gone are still told")
+            self.assertLess(time.monotonic(), deadline, "the daemon still keeps listeners that have left")
         number = self.drill(20)
         environment = dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
         with subprocess.Popen([MULTUM, "wait", str(number)], env=environment, stdout=subprocess.PIPE,
@@ -269,7 +268,7 @@ class ServiceTest(ClientCase):
         self.assertIn("event: progress", text)
         for event in text.split("\n\n"):
             fields = dict(line.split(": ", 1) for line in event.splitlines() if ": " in line and not line[0] == ":")
-            if "data" in fields and len(fields) == 3:  # the last one may be cut
+            if "data" in fields and len(fields) == 3:  # the last event may be cut
                 name = {"job": "Job", "progress": "ProgressEvent"}[fields["event"]]
                 self.assertEqual(service.checker.errors({"$ref": f"#/components/schemas/{name}"},
                                                         json.loads(fields["data"])), [])
@@ -334,12 +333,12 @@ class ServiceTest(ClientCase):
         service.ask("POST", "/v1/queues/night/resume")
         reload(queues)
         self.assertEqual(paused(), ["default"])
-        reload(queues.replace("paused = true", "paused = false"))  # the settings say something else
+        reload(queues.replace("paused = true", "paused = false"))  # the settings disagree
         self.assertEqual(paused(), ["default"])
         reload(queues)
         self.assertEqual(paused(), ["default", "night"])
 
-    # ---- What is refused
+    # ---- Refusals
 
     def test_requests_that_make_no_sense(self):
         self.start()
@@ -372,7 +371,7 @@ class ServiceTest(ClientCase):
         for target in ("/v1/jobs%00", "/%00", "/v1/queues/default%00/pause", "/v1/jobs?queue=a%00b",
                        "/v1/jobs?%00=1"):
             self.refused(400, "usage", [], "POST" if "pause" in target else "GET", target)
-        # A NUL ends no text: it is refused wherever it is.
+        # A NUL does not end a text: it is refused in every place.
         job = {"type": "drill", "parameters": {}}
         for body in (dict(job, label="a\0b"), dict(job, queue="default\0"), dict(job, type="drill\0"),
                      dict(job, output="a\0b"), dict(job, parameters={"text": "a\0"}), dict(job, **{"lab\0el": "a"}),
@@ -387,7 +386,7 @@ class ServiceTest(ClientCase):
         status, answer = service.ask("GET", "/readyz")
         self.assertEqual((status, answer["ready"], answer["driver"]), (503, False, False), answer)
         self.assertIn("OpenCL", answer["message"])
-        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded", "others are done all the same")
+        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded", "other jobs must still be done")
         service.stop()
         service = self.start()
         status, answer = service.ask("GET", "/readyz", timeout=60)
@@ -413,7 +412,7 @@ class ServiceTest(ClientCase):
                                            "output": result})
         self.refused_path(self.output("link.png"), {"type": "drill", "output": self.output("link.png")},
                           is_outside=False)
-        # A scene's job may name files too.
+        # A scene's job may name files as well.
         with open(self.output("job.toml"), "w", encoding="utf-8") as file:
             file.write('geometry = "../secret.png"\n')
         self.refused(400, "usage", ["secret.png", self.results()], "POST", "/v1/jobs",
@@ -437,7 +436,9 @@ class ServiceTest(ClientCase):
         self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=bearer)[0], 200)
         for public in ("/healthz", "/openapi.json"):
             self.assertEqual(self.service.ask("GET", public)[0], 200)
-        # The scheme is in any case, another is none, and a query carries the token where a browser has no headers.
+        # The scheme's case does not matter, another scheme is refused, and a query carries the token if a browser
+        # cannot send
+        # headers.
         for scheme, status in (("bearer", 200), ("BEARER ", 200), ("Basic", 401), ("Bearera", 401), ("", 401)):
             given = {"Authorization": f"{scheme} a token of many letters"}
             self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=given)[0], status, scheme)
@@ -489,14 +490,14 @@ class ServiceTest(ClientCase):
                     one.shutdown(socket.SHUT_WR)
                     while one.recv(65536):
                         pass
-                except OSError:  # cut off before it was done talking
+                except OSError:  # disconnected before the request was complete
                     pass
         self.assertEqual(service.ask("GET", "/healthz")[0], 200)
         deadline = time.monotonic() + 30
         while slow and time.monotonic() < deadline:
             slow[0].settimeout(30)
             with slow.pop(0) as one:
-                self.assertTrue(one.recv(100).startswith(b"HTTP/1.1 408"), "the slow are told, and cut off")
+                self.assertTrue(one.recv(100).startswith(b"HTTP/1.1 408"), "slow clients are disconnected")
         before = resident_bytes(service.process.pid)
         for _ in range(2000):
             status, _ = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"seconds": "x" * 1000}})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Slurm of its own on loopback for a test: munged, slurmctld and some slurmd of this machine, each with a name and a
-port, as children whose ends are waited for. It needs root, since slurmd starts tasks as their users, and Debian's
-packages slurmctld, slurmd, slurm-client and munge. Standard library alone."""
+"""Runs a private Slurm on loopback for a test: munged, slurmctld and some slurmd of this machine, each with its own
+name and port, as child processes. It needs root, because slurmd starts tasks as their users, and Debian's packages
+slurmctld, slurmd, slurm-client and munge. Uses only the standard library."""
 import contextlib
 import ctypes
 import os
@@ -54,15 +54,15 @@ RebootProgram=/bin/false
 
 
 def why_not():
-    """Why no Slurm can be started here; "": it can."""
+    """Returns why no Slurm can be started here, or "" if it can."""
     if os.geteuid() != 0:
-        return "Slurm is started by root alone"
+        return "only root can start Slurm"
     missing = [name for name in PROGRAMS if shutil.which(name, path=PATH) is None]
     return f"Slurm is not installed: no {', '.join(missing)}" if missing else ""
 
 
 def free_ports(count):
-    """Of loopback, free at this moment."""
+    """Returns a loopback port that is free at this moment."""
     with contextlib.ExitStack() as stack:
         sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
         for one in sockets:
@@ -71,7 +71,7 @@ def free_ports(count):
 
 
 def descendants(pid):
-    """Process numbers of all that a process has started, as far as they are still below it."""
+    """Returns the process numbers of all descendants of a process."""
     found = []
     with contextlib.suppress(FileNotFoundError, ProcessLookupError):
         for task in os.listdir(f"/proc/{pid}/task"):
@@ -82,13 +82,15 @@ def descendants(pid):
 
 
 class Slurm:
-    """`nodes`: of one machine, bake1 and so on, of `cpus` processors each. `more`: lines of slurm.conf."""
+    """`nodes`: number of nodes on this machine, named bake1 and so on, with `cpus` processors each. `more`: lines of
+        slurm.conf."""
 
     def __init__(self, folder, nodes=2, cpus=1, more=""):
         self.folder = folder
         self.nodes = [f"bake{i + 1}" for i in range(nodes)]
         self.processes = {}
-        # What Slurm's daemons leave running becomes this process's, and is ended by its number.
+        # Processes that Slurm's daemons leave running become children of this process, which ends them by their
+        # numbers.
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
         for name in ("state", "log", "spool"):
             os.makedirs(os.path.join(folder, name))
@@ -105,7 +107,7 @@ class Slurm:
         self.config = os.path.join(folder, "slurm.conf")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(config)
-        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd asks there which version it is, and ends without an answer
+        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, else it ends
             with open(os.path.join(folder, "cgroup.conf"), "w", encoding="utf-8") as file:
                 file.write("CgroupPlugin=cgroup/v1\n")
         self.environment = {"SLURM_CONF": self.config, "PATH": PATH}
@@ -141,7 +143,7 @@ class Slurm:
             time.sleep(0.05)
 
     def said(self):
-        """The ends of all logs."""
+        """Returns the ends of all logs."""
         text = ""
         for name in sorted(os.listdir(os.path.join(self.folder, "log"))):
             with open(os.path.join(self.folder, "log", name), encoding="utf-8", errors="replace") as file:
@@ -149,7 +151,7 @@ class Slurm:
         return text
 
     def run(self, *words):
-        """What a command of Slurm's prints; "" where it fails."""
+        """Returns the output of a Slurm command, or "" if it fails."""
         done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=60,
                               env=dict(os.environ, **self.environment))
         return done.stdout if done.returncode == 0 else ""
@@ -162,18 +164,18 @@ class Slurm:
         self.wait_until("all nodes idle", lambda: self.node_states() == wanted)
 
     def jobs(self, states=""):
-        """Lines of its list: number, name, state, node."""
+        """Returns the rows of squeue's list: number, name, state, node."""
         words = ["squeue", "-h", "--array", "-o", "%i %j %T %N"] + ([f"--states={states}"] if states else [])
         return self.run(*words).splitlines()
 
     def kill(self, name):
-        """-9. Of a node with all that runs there."""
+        """Sends SIGKILL. For a node, also to everything that runs on it."""
         process = self.processes[name]
         process.send_signal(signal.SIGKILL)
         process.wait()
 
     def crash_node(self, node):
-        """As a power cut would: its daemon and all tasks on it."""
+        """Ends a node as a power cut would: its daemon and all its tasks."""
         doomed = []
         for pid in descendants(os.getpid()):
             with contextlib.suppress(FileNotFoundError, ProcessLookupError):
@@ -189,13 +191,14 @@ class Slurm:
                 os.kill(pid, signal.SIGKILL)
 
     def return_node(self, node):
-        """One that had crashed: known to be down first, or what it ran stays "completing" for minutes."""
+        """Starts a crashed node again. It must be known to be down first, or its tasks stay "completing" for
+        minutes."""
         self.run("scontrol", "update", f"NodeName={node}", "State=DOWN", "Reason=crashed")
         self.start_node(node)
         self.run("scontrol", "update", f"NodeName={node}", "State=RESUME")
 
     def starter_node(self, pid):
-        """A slurmstepd's, by a task that it has started."""
+        """Returns the number of a slurmstepd, found by a task that it has started."""
         for child in descendants(pid):
             with contextlib.suppress(FileNotFoundError, ProcessLookupError):
                 with open(f"/proc/{child}/environ", encoding="utf-8", errors="replace") as file:
@@ -205,7 +208,7 @@ class Slurm:
         return ""
 
     def stop(self):
-        """All of it, by its numbers."""
+        """Ends every process of this Slurm by its number."""
         if self.processes.get("slurmctld") and self.processes["slurmctld"].poll() is None:
             self.run("scancel", "--user=root")
             with contextlib.suppress(AssertionError):
@@ -223,7 +226,7 @@ class Slurm:
         self.reap()
 
     def reap(self):
-        """What Slurm's daemons left, which is a child of this process by now."""
+        """Ends processes that Slurm's daemons left, which are children of this process by now."""
         for _ in range(100):
             left = [pid for pid in descendants(os.getpid()) if self.is_of_slurm(pid)]
             if not left:

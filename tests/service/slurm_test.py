@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The service with a real Slurm of two nodes (slurm_harness.py): jobs in chunks and maps in shares, each result
-published once whatever dies. Passed over, with the reason, where Slurm cannot be started. MULTUM names the program.
+published once, whatever fails. Skipped with the reason if Slurm cannot be started. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill slurm_test.py [-v] [SlurmTest.test_...]
 """
@@ -38,8 +38,8 @@ poll_s = {poll}
 visible_s = 0.5
 {more}
 """
-# In front of Slurm's own, when a test has asked for that: kills the controller as soon as it has accepted a job, or
-# answers with the number of another's job.
+# A wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has accepted a
+# job, or answers with the number of another user's job.
 SBATCH = """#!/bin/sh
 if [ -e {flag}.other ]; then
   rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'
@@ -49,18 +49,18 @@ if [ -e {flag} ]; then rm {flag}; kill -9 $(cat {flag}.pid); fi
 printf '%s\\n' "$answer"
 exit $code
 """
-# The same, which notes what it was asked to cancel.
+# A wrapper for scancel that records the cancelled jobs.
 SCANCEL = """#!/bin/sh
 echo "$@" >>{flag}.cancelled
 exec {scancel} "$@"
 """
-# Of nodes, instead of multum: share 1 ends before it has begun, as often as a test has asked for that.
+# Replaces multum on nodes: share 1 ends before it has begun, as often as a test asks for it.
 PROGRAM = """#!/bin/sh
 if [ "$SLURM_ARRAY_TASK_ID" = 1 ] && [ -e {folder}/fail-1 ]; then mv {folder}/fail-1 {folder}/failed-1; exit 7; fi
 if [ "$SLURM_ARRAY_TASK_ID" = 1 ] && [ -e {folder}/fail-always ]; then exit 7; fi
 exec {multum} "$@"
 """
-# The same, where share 1 waits until it may go on.
+# Replaces multum on nodes: share 1 waits until it may continue.
 SLOW_PROGRAM = """#!/bin/sh
 [ "$SLURM_ARRAY_TASK_ID" != 1 ] || [ -e {folder}/go ] || sleep 60
 exec {multum} "$@"
@@ -117,14 +117,14 @@ class SlurmTest(ClientCase):
         return service
 
     def farm(self, name, seconds=0, **job):
-        """A small job that writes its name."""
+        """Submits a small job that writes its name."""
         return self.drill(seconds, queue="farm", text=name, output=self.output(name), **job)
 
     def parts(self, number):
         return self.service.job(number)["parts"]
 
     def first_part(self, number):
-        """Empty as long as nothing is sent."""
+        """Returns "" as long as nothing is sent."""
         return next(iter(self.parts(number)), {"node": "", "progress": None})
 
     def kill_controller_when_it_accepts(self):
@@ -133,7 +133,7 @@ class SlurmTest(ClientCase):
         open(self.flag, "w", encoding="utf-8").close()
 
     def cancelled(self):
-        """What scancel was asked, a line each."""
+        """Returns the arguments of each scancel call, one line each."""
         with contextlib.suppress(FileNotFoundError), open(self.flag + ".cancelled", encoding="utf-8") as file:
             return file.read().splitlines()
         return []
@@ -150,14 +150,14 @@ class SlurmTest(ClientCase):
         return job
 
     def nothing_is_left(self):
-        """Neither in Slurm, nor in the shared folder, nor beside results."""
+        """Checks that no job is left in Slurm, and no file in the shared folder or next to results."""
         place = os.path.join(self.shared, "multum-" + self.instance)
         self.slurm.wait_until("Slurm is empty", lambda: not self.slurm.jobs())
         self.slurm.wait_until("the shared folder is empty", lambda: os.listdir(place) == ["task.sh"])
         self.assertEqual([name for name in os.listdir(self.service.root) if name.startswith(".")], [])
 
     def daemon_rests(self):
-        """Its own processor time, without that of the commands it runs."""
+        """Returns the daemon's own processor time, without the commands that it runs."""
         def seconds():
             with open(f"/proc/{self.service.process.pid}/stat", encoding="utf-8") as file:
                 fields = file.read().rsplit(")", 1)[1].split()
@@ -181,7 +181,7 @@ class SlurmTest(ClientCase):
             self.assertIn("drill: done", service.ask("GET", f"/v1/jobs/{number}/log")[1].decode())
         self.assertLessEqual(self.submitted_count(), 3)
         self.assertEqual(service.metric("multum_slurm_up"), 1)
-        here = self.drill(text="here", output=self.output("here"))  # of the other queue
+        here = self.drill(text="here", output=self.output("here"))  # a job of the other queue
         self.assertEqual(self.succeed(here, "here")["parts"], [])
         self.nothing_is_left()
         self.daemon_rests()
@@ -203,7 +203,7 @@ class SlurmTest(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def whole(self):
-        """What one process makes of the map."""
+        """Returns the map's bake by one process."""
         path = os.path.join(self.holder, "whole.ndf.exr")
         if not os.path.exists(path):
             subprocess.run([MULTUM, "bake", self.copy_of_map(), "-o", path, "--no-measure"], check=True,
@@ -242,7 +242,7 @@ class SlurmTest(ClientCase):
         self.assertEqual([part for part in parts if part[0] == 2],
                          [(2, f"1/{count}", "succeeded"), (2, f"merge {count}", "succeeded")])
         self.assertEqual(service.metric("multum_slurm_rounds_total"), 1)
-        # Always: after so many rounds it fails, with the list.
+        # The share always fails: after a number of rounds the job fails, with the list of failures.
         open(os.path.join(self.folder, "fail-always"), "w", encoding="utf-8").close()
         job = service.wait_for(self.bake(again=True, attempt_max=1))
         self.assertEqual(job["state"], "dead")
@@ -278,8 +278,9 @@ class SlurmTest(ClientCase):
 
     def test_cancelled_jobs_end(self):
         service = self.start_slurm()
-        # Two nodes are busy with two chunks; of the second one a job is cancelled that has not begun, of the first the
-        # one that runs; a third job waits at Slurm.
+        # Two nodes are busy with two chunks. The test cancels a job of the second chunk that has not begun, and the
+        # running
+        # job of the first chunk; a third job waits in Slurm.
         service.ask("POST", "/v1/queues/farm/pause")
         first = [self.farm(f"first{i}", 15) for i in range(2)]
         second = [self.farm(f"second{i}", 1) for i in range(20)]
@@ -299,8 +300,8 @@ class SlurmTest(ClientCase):
         self.nothing_is_left()
 
     def test_who_has_a_forgotten_number_is_not_cancelled(self):
-        # As a controller leaves it that has forgotten the daemon's job, and given its number to the next.
-        service = self.start_slurm(poll=4)  # so that the daemon does not hear of it before it cancels
+        # Simulates a controller that has forgotten the daemon's job and gives its number to the next job.
+        service = self.start_slurm(poll=4)  # so that the daemon cancels before it hears of the job's end
         with open(self.flag + ".other", "w", encoding="utf-8"):
             pass
         number = self.farm("forgotten", 30)
@@ -329,7 +330,7 @@ class SlurmTest(ClientCase):
         service.wait_for_log("Slurm does not answer")
         other = self.farm("while-away", 0.1)
         time.sleep(0.5)
-        self.assertEqual(service.job(number)["state"], "running")  # nothing is known of it
+        self.assertEqual(service.job(number)["state"], "running")  # the daemon cannot know how the job ended
         self.slurm.start_controller()
         self.succeed(number, "forgotten")
         self.succeed(other, "while-away")
@@ -340,7 +341,7 @@ class SlurmTest(ClientCase):
     def test_a_daemon_that_dies(self):
         service = self.start_slurm("chunk_s = 0")
         numbers = {f"job{i}": self.farm(f"job{i}", 2) for i in range(4)}
-        self.slurm.wait_until("all are sent, and two run", lambda: self.submitted_count() == 4 and sum(
+        self.slurm.wait_until("all jobs must be sent, and two must run", lambda: self.submitted_count() == 4 and sum(
             " RUNNING" in line for line in self.slurm.jobs()) == 2)
         service.kill()
         self.slurm.wait_until("they have ended", lambda: len(self.slurm.jobs()) <= 2)
@@ -348,7 +349,7 @@ class SlurmTest(ClientCase):
         for name, number in numbers.items():
             self.succeed(number, name)
         self.assertEqual(self.submitted_count(), 0)
-        # And one that is asked to end hands nothing back.
+        # A daemon that is asked to end does not hand jobs back.
         number = self.farm("last", 2)
         self.slurm.wait_until("it runs", lambda: any(" RUNNING" in line for line in self.slurm.jobs()))
         begun = time.monotonic()
@@ -416,7 +417,7 @@ class SlurmTest(ClientCase):
         self.succeed(fine, "fine")
         self.nothing_is_left()
 
-    # ---- What is refused
+    # ---- Refusals
 
     def test_what_slurm_refuses(self):
         service = self.start_slurm('partition = "nowhere"')
@@ -441,7 +442,7 @@ class SlurmTest(ClientCase):
 
 
 class SlurmSettingsTest(ClientCase):
-    """Without a Slurm."""
+    """Tests that need no Slurm."""
 
     def refused_settings(self, expected, more="", folder=None):
         shared = folder or os.path.join(self.folder, "shared")

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Slurm's commands for a test without a Slurm: stand_in_slurm.py sbatch|squeue|scancel ... SLURM_STAND_IN is a folder
-that says what it does. There `array_max` is MaxArraySize, and lines of `refusals` are what sbatch says at its first
-calls, where an empty one accepts; a last line of "*" repeats the one before it for ever. `calls` has a line for each
-sbatch. Tasks run here, one after the other. Standard library alone."""
+"""Replaces Slurm's commands in tests: stand_in_slurm.py sbatch|squeue|scancel ... SLURM_STAND_IN is a folder that
+controls it. There `array_max` is MaxArraySize. Lines of `refusals` are sbatch's messages at its first calls; an empty
+line accepts, and a last line of "*" repeats the line before it for ever. `calls` has a line for each sbatch. Tasks run
+on this machine, one after another. Uses only the standard library."""
 import fcntl
 import json
 import os
@@ -41,7 +41,7 @@ def numbers():
 
 
 def refusal(calls):
-    """What sbatch says at its n-th call, from 0."""
+    """Returns sbatch's message at its n-th call, from 0."""
     lines = text("refusals").splitlines()
     if lines and lines[-1] == "*":
         return lines[min(calls, len(lines) - 2)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A job of inference as small as can be: one square in one picture of one colour. Standard library alone."""
+"""The smallest job of inference: one square in one picture of one colour. Uses only the standard library."""
 import os
 import random
 import struct
@@ -34,7 +34,7 @@ camera = "one"
 
 
 def write_exr(path, value, side=SIDE, noise=0):
-    """Every pixel of R, G and B; float, not compressed."""
+    """Writes the same R, G and B for every pixel; floats, not compressed."""
     def attribute(name, kind, data):
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
 
@@ -58,7 +58,7 @@ def write_exr(path, value, side=SIDE, noise=0):
 
 
 def write_index(path, side=SIDE):
-    """A grey PNG that says which object a pixel shows: the first one."""
+    """Writes a grey PNG of object indices: every pixel shows the first object."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -69,7 +69,7 @@ def write_index(path, side=SIDE):
 
 
 def write_animation(folder, value, side=SIDE, noise=0):
-    """quad.obj, radiance.exr, index.png and animation.toml, which names them."""
+    """Writes quad.obj, radiance.exr, index.png, and animation.toml, which names them."""
     write_exr(os.path.join(folder, "radiance.exr"), value, side, noise)
     write_index(os.path.join(folder, "index.png"), side)
     animation = ANIMATION.replace("SIDE", str(side))

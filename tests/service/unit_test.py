@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The systemd unit: how much of the machine it leaves to the service, as `systemd-analyze security` counts it.
+"""Checks how much of the machine the systemd unit exposes to the service, by `systemd-analyze security`.
 
 Usage: unit_test.py UNIT
 Exit code 77, a skipped test, without systemd-analyze.
@@ -13,7 +13,7 @@ import sys
 EXPOSURE_MAX = 2.0  # of 10
 
 if shutil.which("systemd-analyze") is None:
-    print("unit_test: passed over: systemd-analyze is not here (Debian package systemd)")
+    print("unit_test: skipped: systemd-analyze is not installed (Debian package systemd)")
     sys.exit(77)
 scored = subprocess.run(["systemd-analyze", "security", "--no-pager", "--offline=true", sys.argv[1]],
                         capture_output=True, text=True, check=False)

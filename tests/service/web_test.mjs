@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walks through the page of the service in headless Chromium. Started by web_test.py, which starts and stops daemons
-// for lines on standard output that begin with "@".
+// Walks through the service's page in headless Chromium. web_test.py starts this script, and starts and stops daemons
+// for the lines on its standard output that begin with "@".
 //
 //   node web_test.mjs CHROMIUM SCREENSHOTS [STEP]
 import assert from "node:assert/strict";
@@ -12,7 +12,7 @@ import { chromium } from "./web/node_modules/playwright-core/index.mjs";
 
 const [executablePath, screenshots, only] = process.argv.slice(2);
 const HOSTILE = `<img src=x onerror="window.isHacked = true">`;
-const PATIENCE = 30000; // ms: a machine may be busy with other things
+const PATIENCE = 30000; // ms; the machine may be busy
 const ROWS_MAX = 50;
 
 const answers = readline.createInterface({ input: process.stdin })[Symbol.asyncIterator]();
@@ -26,8 +26,8 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--disable-gpu", "--headless=new", "--disable-dev-shm-usage"],
 });
 const service = await drive("start", "open");
-const complaints = []; // of any page: errors on its console, requests to others
-let isStopped = false; // then errors of the network are as they should be
+const complaints = []; // of all pages: console errors, and requests to other hosts
+let isStopped = false; // if true, network errors are expected
 
 async function openPage(path = "", { width = 1280, height = 800, deviceScaleFactor = 1, colorScheme = "light",
   at = service } = {}) {
@@ -41,7 +41,7 @@ async function openPage(path = "", { width = 1280, height = 800, deviceScaleFact
       complaints.push(message.text());
   });
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("dialog", (dialog) => complaints.push(`a script of a stranger says ${dialog.message()}`));
+  page.on("dialog", (dialog) => complaints.push(`a foreign script says ${dialog.message()}`));
   page.on("request", (request) => {
     if (!request.url().startsWith(at.url) && !request.url().startsWith(`blob:${at.url}`))
       complaints.push(`a request to ${request.url()}`);
@@ -88,13 +88,13 @@ async function bake(name, parameters = {}) {
   return job.id;
 }
 
-/** The bake of an earlier step, or a new one. */
+/** Returns the bake of an earlier step, or a new one. */
 const rock = async () => (await ask("GET", "/v1/jobs?state=succeeded&limit=1000")).jobs
   .find((job) => job.label === "rock")?.id ?? bake("rock");
 
 async function checkContrast(page, least) {
   const { count, found } = await lowContrasts(page);
-  assert.ok(count >= least, `${count} texts were looked at, expected ${least} at least`);
+  assert.ok(count >= least, `${count} texts were checked, expected at least ${least}`);
   assert.deepEqual(found, []);
 }
 
@@ -121,7 +121,7 @@ const steps = {
       const again = await fetch(service.url + path, { headers: { "If-None-Match": etag } });
       assert.equal(again.status, 304, path);
     }
-    // The embedded bytes are the file's.
+    // The embedded bytes equal the file.
     const source = await readFile(new URL("../../host/farm/service/web/job_list.js", import.meta.url), "utf8");
     assert.equal(await (await fetch(service.url + "/job_list.js")).text(), source);
   },
@@ -147,7 +147,7 @@ const steps = {
     await until("time left", async () => /left/.test(await row(page, long).innerText()));
     await page.getByRole("button", { name: "Retry all dead (1)" }).waitFor();
     await row(page, hostile).click();
-    await page.locator("#detail .why").getByText("a drill that was to be refused").waitFor();
+    await page.locator("#detail .why").getByText("this drill had to be refused").waitFor();
     assert.ok((await page.locator("#detail-title").innerText()).includes(HOSTILE));
     assert.equal(await page.evaluate(() => document.querySelectorAll("#rows img, #detail img").length), 0);
     assert.equal(await page.evaluate(() => window.isHacked), undefined);
@@ -193,7 +193,7 @@ const steps = {
     const { id } = await ask("POST", "/v1/jobs", { type: "scene", parameters: { scene }, output: "maps.v2" });
     await stateOf(id, "succeeded");
     const page = await openPage(`#job-${id}`);
-    for (const hasToken of [false, true]) { // that is not asked for, and sent all the same
+    for (const hasToken of [false, true]) { // the service asks for no token; the page sends one all the same
       if (hasToken) await page.evaluate(() => sessionStorage.setItem("multum-token", "any"));
       const downloading = page.waitForEvent("download");
       await page.getByText("Download the result").click();
@@ -242,13 +242,13 @@ const steps = {
     await look.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
     assert.equal(await look.evaluate(() => globalThis.origin), "null", "sandboxed");
     assert.match(await look.textContent("#facts"), /64 x 64, 4 lobes/);
-    await look.selectOption("#left", "lobes"); // its address keeps the view in the sandbox too
+    await look.selectOption("#left", "lobes"); // the address keeps the view, also in the sandbox
     await look.waitForFunction(() => globalThis.location.hash === "#left=lobes");
-    // Its worker may run there as well.
+    // The sandbox allows the page's worker too.
     await look.setInputFiles("#open", [`${service.root}/look.ndf.exr`]);
     await look.waitForFunction(() => globalThis.multumLook.shown === "dropped");
     assert.equal(await look.locator("#problem").isVisible(), false);
-    // Its map is taken away: the page that is there stays; of a bake that has none yet the reason is said.
+    // The map is removed: an existing page stays; for a bake without a page, the reason is shown.
     const other = await ask("POST", "/v1/jobs", { type: "bake", output: `${service.root}/look_two.ndf.exr`,
       parameters: { input: `${service.root}/look_normal.png`, no_measure: true, lobes: 2 } });
     await stateOf(other.id, "succeeded");
@@ -263,7 +263,7 @@ const steps = {
 
   async theTableOfPartsFollowsAMapThatIsInShares() {
     const farm = await drive("farm");
-    if (farm.why) return console.log(`  passed over: ${farm.why}`);
+    if (farm.why) return console.log(`  skipped: ${farm.why}`);
     const { id } = await ask("POST", "/v1/jobs", { type: "bake", queue: "farm", output: `${farm.root}/map.ndf.exr`,
       parameters: { input: `${farm.root}/map_normal.png`, no_measure: true } }, farm);
     const page = await openPage(`#job-${id}`, { at: farm });
@@ -272,9 +272,9 @@ const steps = {
       rows.map((one) => [...one.cells].map((cell) => cell.innerText)));
     const rowOf = async (start, round) => (await cells()).find(([part, attempt]) =>
       part.startsWith(start) && attempt === round);
-    // Share 0 first; the bands wait for it, and share 1 then runs until it is told to go on, or is cancelled.
+    // Share 0 runs first and the bands wait for it. Share 1 then runs until the test lets it continue, or cancels it.
     await until("share 1 runs", async () => ((await rowOf("1/", "1"))?.[2] ?? "").startsWith("running"),
-      3 * PATIENCE); // kernels may have to be compiled
+      3 * PATIENCE); // kernels may need to be compiled
     const [share, , , node, slurmJob] = await rowOf("1/", "1");
     assert.match(node, /^bake[12]$/);
     assert.match(slurmJob, /^\d+$/);
@@ -314,7 +314,7 @@ const steps = {
       return (one.clientHeight - 2 * parseFloat(style.paddingTop)) / parseFloat(style.lineHeight);
     });
     assert.ok(lines > 1.5, `${lines} lines of two`);
-    await page.unrouteAll({ behavior: "ignoreErrors" }); // the page goes on asking while it closes
+    await page.unrouteAll({ behavior: "ignoreErrors" }); // the page still sends requests while it closes
     await page.context().close();
   },
 
@@ -348,7 +348,7 @@ const steps = {
         return [document.activeElement.id || document.activeElement.textContent.trim(),
           style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
       });
-      assert.ok(isVisible, `no focus is seen on ${words}`);
+      assert.ok(isVisible, `no visible focus on ${words}`);
       seen.push(words);
     }
     const places = ["new-job", "theme", "help", "filter-state", "filter-queue", "filter-text", "retry-dead"];
@@ -363,7 +363,7 @@ const steps = {
     await key("k");
     await key("ArrowUp");
     await key("ArrowUp");
-    assert.equal(await focusedRow(page), id, "up ends at the first");
+    assert.equal(await focusedRow(page), id, "the up key stops at the first job");
 
     await key("Enter");
     await page.locator("#detail-title").waitFor();
@@ -397,7 +397,7 @@ const steps = {
     await key("/");
     assert.equal(await focusedId(page), "filter-text");
     await page.keyboard.type("cj?");
-    assert.equal(await page.locator("#filter-text").inputValue(), "cj?", "letters that are typed do nothing else");
+    assert.equal(await page.locator("#filter-text").inputValue(), "cj?", "typed letters must have no other effect");
     await page.getByText("None of the newest").waitFor();
     await page.locator("#filter-text").fill("");
     await shows(page, id, "cancelled");
@@ -411,7 +411,7 @@ const steps = {
     await key("Escape");
     assert.equal(await page.locator("dialog[open]").count(), 0);
 
-    // No trap: with a job open too, Tab comes to the page's end and round again.
+    // Focus is not trapped: with a job open too, Tab reaches the page's end and starts again.
     await key("Enter");
     await until("focus in the job", async () => (await focusedId(page)) === "detail-title");
     const hasLog = () => page.locator("#detail .log").isVisible();
@@ -422,7 +422,7 @@ const steps = {
       round.add(await page.evaluate(() => document.activeElement.id || document.activeElement.tagName));
     }
     assert.ok(round.has("new-job"), [...round].join(" "));
-    // It may come, or be read anew, while Tab goes round.
+    // The log may appear or be reloaded while Tab goes around.
     if (hadLog === await hasLog()) assert.ok(round.has("PRE") || !hadLog, [...round].join(" "));
     await page.context().close();
   },
@@ -510,7 +510,7 @@ const steps = {
   },
 
   async looksOfIt() {
-    const baked = await rock(); // while there is a worker for it
+    const baked = await rock(); // while a worker is free for it
     const running = await drill(900, { label: "cliff, 16384 x 16384" });
     await drill(900, { label: "terrain tile 50", queue: "night" });
     await drill(0, { label: "cliff, its frames", needs: [running] });
@@ -537,7 +537,7 @@ const steps = {
       }
       await page.context().close();
     }
-    // The button goes before the system.
+    // The button overrides the system's setting.
     const page = await openPage("", { colorScheme: "light" });
     const back = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
     const light = await back();
@@ -548,7 +548,7 @@ const steps = {
     await page.reload();
     assert.notEqual(await back(), light, "and is remembered");
     await page.context().close();
-    for (const state of ["queued", "running"]) // workers are for the next steps
+    for (const state of ["queued", "running"]) // workers are needed by the next steps
       for (const job of (await ask("GET", `/v1/jobs?state=${state}&limit=1000`)).jobs)
         await ask("POST", `/v1/jobs/${job.id}/cancel`);
   },
@@ -562,7 +562,7 @@ const steps = {
     await page.locator("#detail figure img").nth(2).waitFor();
     await noSideways(page, "a job");
     assert.ok(await page.locator("#detail").evaluate((one) => one.scrollWidth <= one.clientWidth), "a job is too wide");
-    assert.equal(await page.locator("#main").evaluate((one) => one.inert), true, "what is covered takes no focus");
+    assert.equal(await page.locator("#main").evaluate((one) => one.inert), true, "covered parts must be inert");
     await page.screenshot({ path: `${screenshots}/narrow_detail.png` });
     await page.keyboard.press("Escape");
     await page.keyboard.press("n");
@@ -594,7 +594,7 @@ const steps = {
 
   async errorsAreWords() {
     const page = await openPage();
-    isStopped = true; // what follows is as it should be
+    isStopped = true; // later errors are expected
     await page.evaluate(() => {
       globalThis.fetch = () => Promise.reject(undefined);
       document.getElementById("new-job").click();
@@ -676,7 +676,7 @@ for (const [name, step] of Object.entries(steps)) {
   const begun = Date.now();
   try {
     await step();
-    assert.deepEqual(complaints.splice(0), [], "consoles are empty, and nobody else is asked");
+    assert.deepEqual(complaints.splice(0), [], "consoles must be empty, and no other host may be asked");
     console.log(`ok      ${name} (${((Date.now() - begun) / 1000).toFixed(1)} s)`);
   } catch (error) {
     ++failures;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The page of the service in Debian's headless Chromium: starts daemons, then web_test.mjs, which asks for them.
+"""Tests the service's page in Debian's headless Chromium: starts daemons, then web_test.mjs, which asks for them.
 
   web_test.py MULTUM SCREENSHOTS [--only STEP]      exit code 77: no Chromium, Node or playwright-core here
 """
@@ -35,7 +35,7 @@ TOKEN = "a token of many letters"
 
 
 def browser():
-    """The shell first: without the browser's windows it takes half of the time."""
+    """Prefers the headless shell: without the browser's windows the test takes half of the time."""
     return shutil.which("chromium-headless-shell") or shutil.which("chromium")
 
 
@@ -48,7 +48,7 @@ def missing():
 
 
 class Driver:
-    """What web_test.mjs asks for."""
+    """The daemons that web_test.mjs asks for."""
 
     def __init__(self, multum, folder):
         self.multum = multum
@@ -69,14 +69,14 @@ class Driver:
                 os.chmod(path, 0o600)
                 options = ["--token-file", path]
             service = self.services[name] = Service(self.multum, folder, options, CONFIG)
-        service.start(port=service.port)  # the same when it is started again
+        service.start(port=service.port)  # the same port after a restart
         return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "token": TOKEN}
 
     def stop(self, name):
         return self.services[name].stop()
 
     def farm(self):
-        """A service with a Slurm of two nodes, where share 1 of a map waits for the file `go`."""
+        """Starts a service with a Slurm of two nodes, where share 1 of a map waits for the file `go`."""
         if why_not():
             return {"why": why_not()}
         folder = os.path.join(self.folder, "farm")
@@ -95,7 +95,7 @@ class Driver:
         subprocess.run([self.multum, "testmap", "--size", str(size), prefix], check=True, capture_output=True)
 
     def field(self, folder):
-        """An inferred animation of one sample in FOLDER/field."""
+        """Writes an inferred animation of one sample to FOLDER/field."""
         write_animation(folder, 0.25)
         subprocess.run([self.multum, "infer", os.path.join(folder, "animation.toml"), "-o",
                         os.path.join(folder, "field"), "--context=osmesa", "--no-frames", "--no-comparison"],
@@ -116,12 +116,12 @@ def main():
     parser.add_argument("--only", default="", help="a step's name, or a part of it")
     arguments = parser.parse_args()
     if missing() is not None:
-        print(f"{missing()} is not here: tools/install_dependencies test")
+        print(f"{missing()} is not installed: tools/install_dependencies test")
         return 77
     os.makedirs(arguments.screenshots, exist_ok=True)
     folder = tempfile.mkdtemp()
     driver = Driver(os.path.abspath(arguments.multum), folder)
-    # A home of its own: Chromium keeps things there, and who runs the tests may have none that can be written.
+    # A temporary HOME: Chromium writes there, and the user who runs the tests may have no writable home.
     environment = dict(os.environ, HOME=folder)
     try:
         with subprocess.Popen(["node", os.path.join(HERE, "web_test.mjs"), browser(),

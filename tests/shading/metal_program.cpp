@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum_lobes.metal as a C++ program (metal_stdlib): reads the table and the cases of shading_languages_test.py as
-// floats from stdin, writes eight floats a case.
+// multum_lobes.metal as a C++ program (by a stand-in for metal_stdlib): reads the table and the cases of
+// shading_languages_test.py from stdin as floats, and writes eight floats per case.
 #include "multum_lobes.metal"
 
 #include <cstdio>

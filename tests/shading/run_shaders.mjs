@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs shaders in Chromium: run_shaders.mjs MODULES CHROMIUM JOB.json. The job has the table, the cases, and of each
-// language the text that computes them; printed is, by language, four numbers a case, or why there are none.
+// Runs shaders in Chromium: run_shaders.mjs MODULES CHROMIUM JOB.json. The job has the table, the cases, and the shader
+// text of each language. Prints four numbers per case for each language, or the reason why there are none.
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { pathToFileURL } from "node:url";
@@ -9,7 +9,7 @@ const [modules, chromium, jobFile] = process.argv.slice(2);
 const { chromium: browserType } = await import(pathToFileURL(`${modules}/playwright-core/index.mjs`));
 const job = JSON.parse(await readFile(jobFile, "utf8"));
 
-// A page of a server on loopback: WebGPU is for secure contexts.
+// A server on loopback serves the page, because WebGPU needs a secure context.
 const server = createServer((request, response) => {
   response.setHeader("content-type", "text/html");
   response.end("<p>shaders");

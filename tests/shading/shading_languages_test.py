@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The shading of lobes in every language, `multum shaders`, against double precision: GLSL ES 300 and HLSL (by glslang
-and spirv-cross) in Chromium's WebGL 2, WGSL in its WebGPU, Metal's text as C++. GLSL 330 is what tests/gl runs.
+"""Compares the lobe shading in every language of `multum shaders` with double precision: GLSL ES 300 and HLSL (by
+glslang and spirv-cross) in Chromium's WebGL 2, WGSL in its WebGPU, Metal's text as C++. tests/gl tests GLSL 330.
 
     shading_languages_test.py MULTUM MODULES METAL_PROGRAM
 
-MODULES is a folder of npm packages with playwright-core, METAL_PROGRAM the C++ around Metal's text."""
+MODULES is a folder of npm packages with playwright-core. METAL_PROGRAM is the C++ program around Metal's text."""
 import json
 import math
 import pathlib
@@ -71,7 +71,7 @@ WGSL_MAIN = """
 
 
 def of_drawn(main, end):
-    """The program that computes a normal drawn from the lobe, and one number of blue noise from the table."""
+    """Returns a program that computes a normal drawn from the lobe, and one number of blue noise from the table."""
     vec2, result = ("float2", "return float4(") if "float4 main" in main else ("vec2f", "results[id.x] = vec4f(") \
         if "vec4f" in main else ("vec2", "o = vec4(")
     begin = re.search(r"\n[^\n]*cosine = ", main).start()
@@ -133,7 +133,7 @@ def table_at(table, alpha, d):
 
 
 def ggx_over_lobe(table, alpha, d, e):
-    peak, slope, bend, power = table_at(table, alpha, d)  # peak over pi, power below 0
+    peak, slope, bend, power = table_at(table, alpha, d)  # value at the peak times 1 / pi, and power below 0
     square = alpha * alpha + 2 * d
     u = min(max(0.5 + 0.5 * (1 - e) / math.sqrt(4.5 * d / (1.001 - d)), 0), 1)
     y = slope * e * (1 - 0.5 * e * alpha * alpha / square) / square
@@ -141,7 +141,7 @@ def ggx_over_lobe(table, alpha, d, e):
 
 
 def reflecting_cosines(alpha, d, e, mu, h, to):
-    """Of normals that reflect, with each direction of `to`."""
+    """Density of normals that reflect, for each direction of `to`."""
     of_lobe, of_facets = d / (1.001 - d), 0.6 * alpha * alpha + 0.1 * e
     total = [of_lobe * x + of_facets * y for x, y in zip(h, mu)]
     both = of_lobe * of_facets
@@ -178,7 +178,7 @@ def drawn(case, table):
     t = [mu[0] * mu[1] * a, side + mu[1]**2 * a, -mu[1]]
     across, phi = math.sqrt(e * (2 - e)), 2 * math.pi * alpha
     normal = [(1 - e) * m + across * (math.cos(phi) * x + math.sin(phi) * y) for m, x, y in zip(mu, s, t)]
-    # The linear filter between texels of a table that has half of blue noise's side.
+    # Linear filter between texels of a table with half of blue noise's side.
     x, y = (min(max((math.floor(100 * k + 200) % 64 + 0.5) / 64 * SIDE - 0.5, 0), SIDE - 1) for k in l[:2])
     i, j = min(int(x), SIDE - 2), min(int(y), SIDE - 2)
     texel = sum(table[4 * ((j + q) * SIDE + i + p) + 1] * (x - i if p else 1 - x + i) * (y - j if q else 1 - y + j)
@@ -213,7 +213,7 @@ def make_cases(count):
 
 
 def read_table(path):
-    """Halves of a KTX2 file's only level."""
+    """Returns the half floats of a KTX2 file's only level."""
     data = path.read_bytes()
     offset, length = struct.unpack_from("<QQ", data, 80)
     return struct.unpack_from(f"<{length // 2}H", data, offset)
@@ -239,17 +239,18 @@ class ShadingLanguagesTest(unittest.TestCase):
         return (self.path / f"multum_lobes.{ending}").read_text()
 
     def hold(self, name, values):
-        """A texture's filter may place a lookup to 1/256 of a texel only; single precision cancels in sharp lobes."""
+        """Texture filters may place a lookup to only 1/256 of a texel, and single precision cancels in sharp lobes."""
         self.assertEqual(len(values), 4 * len(self.cases), name)
         for k, what in enumerate(("Lambert", "Blinn-Phong", "GGX", "Schlick")):
             scale = max(row[k] for row in self.exact)
             for i, row in enumerate(self.exact):
                 self.assertTrue(math.isfinite(values[4 * i + k]), f"{name}: {what}, case {i}: {self.cases[i]}")
                 self.assertLess(abs(values[4 * i + k] - row[k]), 5e-3 * row[k] + 1e-6 * scale,
-                                f"{name}: {what}, case {i}: {values[4 * i + k]} beside {row[k]}: {self.cases[i]}")
+                                f"{name}: {what}, case {i}: {values[4 * i + k]} for {row[k]}: {self.cases[i]}")
 
     def hold_drawn(self, name, values):
-        """Single precision leaves 3e-3 of the spread of the sharpest lobes, and 6e-5 of a large frame's number."""
+        """Single precision has errors of 3e-3 of the sharpest lobes' spread, and of 6e-5 of the number of a large
+        frame."""
         self.assertEqual(len(values), 4 * len(self.cases), name)
         for i, row in enumerate(self.drawn):
             found = values[4 * i:4 * i + 4]
@@ -305,7 +306,7 @@ class ShadingLanguagesTest(unittest.TestCase):
         hold("HLSL", [float(value) for value in values])
 
     def instructions(self, body):
-        """Of a fragment shader's work, optimised: what computes, in SPIR-V."""
+        """Returns the computing instructions of an optimised fragment shader, in SPIR-V."""
         source = self.path / "counted.frag"
         inputs = ("layout(location = 0) in vec4 lobe; layout(location = 1) in vec3 l; layout(location = 2) in vec3 v;\n"
                   "layout(location = 3) in vec3 h; layout(location = 4) in float alpha;\n"
@@ -340,7 +341,7 @@ class ShadingLanguagesTest(unittest.TestCase):
         self.assertLess(facets, 1.1 * single)
 
     def page_block(self, language):
-        """The page's fragment shader in that language."""
+        """Returns the page's fragment shader in that language."""
         blocks = re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S)
         return next(block for block in blocks if " main(" in block)
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headless Chromium with three.js, the package @multum/three as `multum shaders` writes it, and files of a test.
+// Headless Chromium with three.js, the package @multum/three from `multum shaders`, and files of a test.
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
@@ -7,13 +7,15 @@ import { fileURLToPath } from "node:url";
 
 const MODULES = fileURLToPath(new URL("../service/web/node_modules/", import.meta.url));
 const HERE = fileURLToPath(new URL(".", import.meta.url));
-const ORIGIN = "http://multum.test/"; // nothing is asked of a network: every request is answered here
+const ORIGIN = "http://multum.test/"; // no network is used: this script answers every request
 const TYPES = { ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
 
 export const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium",
   "/usr/local/bin/chromium"].find(existsSync);
 
-/** { page, complaints, close }: `script`, a module of this folder, has run; `files` are below /files/. */
+/**
+ * { page, complaints, close }: a page after `script`, a module of this folder, has run; `files` are served at /files/.
+ */
 export async function openPage(chromium, { package: packageFolder, files, script }) {
   const roots = { modules: MODULES, package: packageFolder, files, tests: HERE };
   const map = { three: "/modules/three/build/three.module.js", "three/addons/": "/modules/three/examples/jsm/",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What addon_test.mjs asks of a page: scenes that three.js draws with @multum/three, as linear floats.
+// Page functions for addon_test.mjs: three.js draws scenes with @multum/three and returns linear floats.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { addLobes, addPoints, GltfLobes, LobeLoader, lobesOf, removeLobes, removePoints } from "@multum/three";
@@ -33,7 +33,7 @@ function texels(scene, camera, width, height) {
   return pixels;
 }
 
-/** Means of `samples` x `samples` pixels. */
+/** Returns means of `samples` x `samples` pixels. */
 function drawn(scene, camera, width, height, samples = 1) {
   if (samples === 1) return texels(scene, camera, width, height);
   const pixels = texels(scene, camera, width * samples, height * samples), made = new Float32Array(4 * width * height);
@@ -45,7 +45,7 @@ function drawn(scene, camera, width, height, samples = 1) {
   return made;
 }
 
-/** multum-view's plane: x from -30 to 30, y from 0 to 60, the map once a unit with row 0 at y = 60. */
+/** multum-view's plane: x from -30 to 30, y from 0 to 60, one repeat of the map per unit, with row 0 at y = 60. */
 function planeGeometry(hasTangents = false) {
   const geometry = new THREE.PlaneGeometry(60, 60, 120, 120).translate(0, 30, 0);
   const { position, uv } = geometry.attributes;
@@ -68,11 +68,11 @@ function cameraAt(eye, target, aspect) {
 const VIEWS = { low: [[0, 0, 0.3], [0, 1, -0.0939]], steep: [[0, 0.5, 1.2], [0, 1.1, 0]],
   far: [[0, 0, 2], [0.5, 5, 0]] };
 
-/** What multum-view's defaults are beside its options in addon_test.mjs. */
+/** multum-view's defaults that addon_test.mjs does not set by options. */
 function surface(normalMap, { Material = THREE.MeshStandardMaterial, hasTangents = false, ...more } = {}) {
   const material = new Material({ color: 0x1a1a1a, roughness: 0.3, metalness: 0, normalMap, ...more });
   material.color.setScalar(0.1);
-  // Without tangents three.js takes them from coordinates, which run against y here.
+  // Without tangents three.js derives them from coordinates, whose v runs against y here.
   material.normalScale.set(1, hasTangents ? 1 : -1);
   return material;
 }
@@ -92,7 +92,9 @@ function sceneOf(material, ...objects) {
   return scene;
 }
 
-/** A model of one triangle by GLTFLoader with the plugin: the glTF's `more`, and the files of its views in base64. */
+/**
+ * Loads a model of one triangle by GLTFLoader with the plugin. `more`: parts of the glTF; its buffer views in base64.
+ */
 async function loadModel(material, more, views) {
   const bytes = views.map((one) => Uint8Array.from(atob(one), (c) => c.charCodeAt(0)));
   const corners = new Uint8Array(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
@@ -112,7 +114,7 @@ async function loadModel(material, more, views) {
   return loader.parseAsync(JSON.stringify(json), "");
 }
 
-/** A picture of three.js beside a PNG of the same view: how many pixels differ by how many of 255. */
+/** Compares a picture of three.js with a PNG of the same view: how many pixels differ by how many of 255. */
 async function beside(pixels, width, height, url) {
   const image = await createImageBitmap(await (await fetch(url)).blob());
   const canvas = new OffscreenCanvas(width, height), context = canvas.getContext("2d");
@@ -131,7 +133,7 @@ async function beside(pixels, width, height, url) {
   return { mean: sum / (3 * width * height), histogram: Array.from(histogram, (one) => one ?? 0), brightest };
 }
 
-/** A picture as a PNG's data address, to look at. */
+/** Returns a picture as a PNG data address, for inspection. */
 async function png(pixels, width, height) {
   const canvas = new OffscreenCanvas(width, height), context = canvas.getContext("2d");
   const image = context.createImageData(width, height);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// @multum/three in headless Chromium: pictures beside multum-view's and beside three.js's own supersampled ones, every
-// light, shadows, fog, environments, instances and skins, materials that share, disposal, what is refused. Exit code
-// 77: skipped.
+// Tests @multum/three in headless Chromium. Compares pictures with multum-view's and with supersampled ones of
+// three.js;
+// tests every light, shadows, fog, environments, instances and skins, shared materials, disposal, and refusals. Exit
+// code 77: skipped.
 //
 //   node addon_test.mjs BIN_FOLDER PICTURES
 import assert from "node:assert/strict";
@@ -25,10 +26,10 @@ const run = (program, ...words) => execFileSync(path.join(bin, program), words, 
 mkdirSync(pictures, { recursive: true });
 const [WIDTH, HEIGHT] = [240, 180];
 
-/** `act(page, argument)` in the page, where `lab` has what addon_page.js offers. */
+/** Runs `act(page, argument)` in the page, where `lab` has the functions of addon_page.js. */
 const inPage = (page, act, argument) => page.evaluate(act, argument);
 
-/** Beside each lobe once: the rule's points of multum-view follow the pixel's longer axis, three.js's are 2 x 2. */
+/** Compares with one evaluation per lobe: multum-view's points follow the pixel's longer axis, three.js's are 2 x 2. */
 async function besideMultumView(page) {
   const views = await inPage(page, () => globalThis.lab.VIEWS);
   for (const [view, [eye, target]] of Object.entries(views))
@@ -57,7 +58,7 @@ async function besideMultumView(page) {
     }
 }
 
-/** Formats of one file draw alike; what is decoded on the processor as what the GPU decodes. */
+/** All formats of one file draw alike, whether the processor or the GPU decodes them. */
 async function formatsAgree(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis;
@@ -80,15 +81,15 @@ async function formatsAgree(page) {
   console.log("  formats:", JSON.stringify(found));
   const { bytes, errors } = found;
   assert.equal(found.unpacked, 0);
-  assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`); // they are rounded to 8 bits
+  assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`); // blocks are rounded to 8 bits
   for (const name of ["blocks", "decoded", "rgba8"])
     assert.ok(errors[name] > 0 && errors[name] < 0.1, `${name}: ${errors[name]}`);
-  assert.ok(errors.plain > 5 * errors.blocks, "lobes draw what plain mips do");
+  assert.ok(errors.plain > 5 * errors.blocks, "lobes draw the same as plain mips");
   assert.deepEqual([bytes.decoded, bytes.rgba8], [bytes.rgba8, bytes.halves / 2]);
   assert.ok(bytes.blocks < 0.51 * bytes.rgba8 && bytes.zstd === bytes.blocks);
 }
 
-/** three.js's lights, one beside the other: what is far away in one direction is a directional light. */
+/** Compares three.js's lights with each other: a distant light of any kind equals a directional light. */
 async function lightsAgree(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
@@ -127,7 +128,7 @@ async function lightsAgree(page) {
       return draw([light, box]);
     };
     const [lit, shaded] = [shadowed(false), shadowed(true)];
-    // Each pixel is as it was, or darker; a tenth of them and more are without any light.
+    // Each pixel is unchanged or darker; at least a tenth of the pixels get no light.
     let [brighter, black, changed] = [0, 0, 0];
     for (let i = 0; i < lit.length; i += 4) {
       if (shaded[i] > lit[i] + 1e-5) ++brighter;
@@ -157,17 +158,19 @@ async function lightsAgree(page) {
   assert.equal(found.shadow.brighter, 0);
   assert.ok(found.shadow.black > 200 && found.shadow.changed < 0.9 * found.shadow.pixels, JSON.stringify(found.shadow));
   assert.ok(found.fog[0] > found.fog[1] + 0.05, "fog adds no green");
-  assert.ok(found.area > 0.01 && found.sky > 0.01, "an area light or a hemisphere lights nothing");
+  assert.ok(found.area > 0.01 && found.sky > 0.01, "an area light or a hemisphere light has no effect");
 }
 
-/** README.md's table: by light, the most that lobes are off, the least that points and plain mips are, in %. */
+/**
+ * README.md's table: for each light, the highest error of lobes and the lowest errors of points and plain mips, in %.
+ */
 function statedErrors() {
   const text = readFileSync(inFolder("shaders/three/README.md"), "utf8");
   const rows = text.matchAll(/^\| (.*) \| (\d+) % \| (\d+) % \| (\d+) % \|$/gm);
   return Object.fromEntries(Array.from(rows, ([, name, ...numbers]) => [name, numbers.map(Number)]));
 }
 
-/** What three.js does with one normal, roughness and its own supersampling is what lobes are held to. */
+/** Compares lobes with three.js's own supersampled shading of one normal and one roughness. */
 async function besideSupersampled(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
@@ -216,7 +219,7 @@ async function besideSupersampled(page) {
     return result;
   });
   const stated = statedErrors();
-  assert.deepEqual(Object.keys(stated), Object.keys(found), "README.md's table has other rows");
+  assert.deepEqual(Object.keys(stated), Object.keys(found), "the rows of README.md's table differ");
   const percent = (share) => `${(100 * share).toFixed(1)} %`;
   for (const [name, { plain, points, lobes }] of Object.entries(found)) {
     console.log(`  ${name}: error ${percent(lobes.error)}, energy ${lobes.energy.toFixed(3)}; plain mips ` +
@@ -230,7 +233,7 @@ async function besideSupersampled(page) {
   }
 }
 
-/** Instances, skins, clearcoat and the like compile, and draw what they should. */
+/** Instances, skins, clearcoat and similar features compile and draw the right picture. */
 async function geometriesAndLayers(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
@@ -256,7 +259,7 @@ async function geometriesAndLayers(page) {
       return mesh;
     });
     const result = { instances: lab.compared(draw(instances), draw(...meshes)).error };
-    // A skin whose one bone turns is a mesh that turns.
+    // A skin with one rotating bone equals a rotating mesh.
     const skinned = ball.clone(), count = skinned.attributes.position.count;
     skinned.setAttribute("skinIndex", new THREE.Uint16BufferAttribute(new Uint16Array(4 * count), 4));
     skinned.setAttribute("skinWeight", new THREE.Float32BufferAttribute(Float32Array.from({ length: 4 * count },
@@ -288,7 +291,7 @@ async function geometriesAndLayers(page) {
     assert.ok(found[name] > 0.01, `${name} changes nothing`);
 }
 
-/** Materials share a texture and a program; those without lobes are as ever; nothing stays behind. */
+/** Materials share a texture and a program; materials without lobes are unchanged; disposal leaves nothing behind. */
 async function sharingAndDisposal(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE, renderer } = lab;
@@ -335,9 +338,9 @@ async function sharingAndDisposal(page) {
       other: lab.compared(other, removed).error, removed: lab.compared(removed, untouched).error, calls: calls.length };
   });
   console.log("  sharing and disposal:", JSON.stringify(found));
-  assert.equal(found.same, 0, "a material without lobes is drawn otherwise beside one with lobes");
-  assert.equal(found.shared.textures, found.start.textures + 2, "the lobes and their table, once for all materials");
-  assert.equal(found.shared.programs, found.start.programs + 1, "materials alike have one program");
+  assert.equal(found.same, 0, "a material without lobes changes next to one with lobes");
+  assert.equal(found.shared.textures, found.start.textures + 2, "all materials must share the lobes and their table");
+  assert.equal(found.shared.programs, found.start.programs + 1, "equal materials must share one program");
   assert.ok(found.plainTexts > 0 && found.held && !found.own && found.calls > 0);
   assert.equal(found.removed, 0);
   assert.ok(found.other > 0.01);
@@ -431,7 +434,7 @@ async function refusesMaterials(page) {
   for (const [name, words] of Object.entries(expected)) assert.match(found[name], words, name);
 }
 
-/** MULTUM_lobes, whole and damaged. */
+/** Reads MULTUM_lobes, valid and damaged. */
 async function loadsModels(page, complaints) {
   const views = ["map_normal.png", "map.ktx2"].map((name) => readFileSync(inFolder(name)).toString("base64"));
   const load = (extension, top, material = {}) => inPage(page, async ([views, extension, top, material]) => {
@@ -471,7 +474,7 @@ async function loadsModels(page, complaints) {
 function checkPackage() {
   const facts = JSON.parse(readFileSync(inFolder("shaders/three/package.json"), "utf8"));
   assert.equal(facts.name, "@multum/three");
-  assert.ok(run("multum", "--version").includes(facts.version), "the package's version is not multum's");
+  assert.ok(run("multum", "--version").includes(facts.version), "the package and multum have different versions");
 }
 
 let opened;
@@ -485,7 +488,7 @@ try {
   checkPackage();
   opened = await openPage(chromium, { package: inFolder("shaders/three"), files: folder, script: "addon_page.js" });
   const { page, complaints } = opened;
-  // The first counts what there is, in a page that has nothing yet.
+  // The first part counts resources, so it needs a fresh page.
   for (const part of [sharingAndDisposal, besideMultumView, formatsAgree, lightsAgree, besideSupersampled,
     geometriesAndLayers]) {
     console.log(`${part.name}, ${Math.round(process.uptime())} s`);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes models that need no licence: four bumpy surfaces, each on a sphere and on a plane, and four small models such
-// as people make. The same bytes each time, but for what a release of Node.js changes in sines and in deflate.
+// Writes models that need no licence: four bumpy surfaces, each on a sphere and on a plane, and four small models like
+// those that artists make. The bytes are the same each time, except where a Node.js release changes sines or deflate.
 //
 //   node bumpy_models.mjs OUT [TEXELS]
 import { writeFileSync } from "node:fs";
@@ -9,7 +9,7 @@ import { argv } from "node:process";
 import { pathToFileURL } from "node:url";
 import { makeGlb } from "./glb_writer.mjs";
 
-/** Uniform in [0, 1): mulberry32. */
+/** Uniform in [0, 1), by mulberry32. */
 function randomFrom(seed) {
   let state = seed;
   return () => {
@@ -23,14 +23,14 @@ function randomFrom(seed) {
 const wrapped = (i, n) => ((i % n) + n) % n;
 const smooth = (t) => { const x = Math.min(1, Math.max(0, t)); return x * x * (3 - 2 * x); };
 
-/** Heights by `at(x, y)`, of coordinates in [0, 1), in widths of the map. */
+/** Returns heights from `at(x, y)`, with coordinates in [0, 1), in units of the map's width. */
 function heights(n, at) {
   const made = new Float64Array(n * n);
   for (let y = 0; y < n; ++y) for (let x = 0; x < n; ++x) made[y * n + x] = at((x + 0.5) / n, (y + 0.5) / n, x, y);
   return made;
 }
 
-/** Periodic noise of standard deviation 1, white noise blurred three times by boxes of `width` texels. */
+/** Returns periodic noise of standard deviation 1: white noise blurred three times by boxes of `width` texels. */
 function noise(n, width, random) {
   let from = Float64Array.from({ length: n * n }, () => random() - 0.5);
   const reach = Math.max(1, Math.round(width)) >> 1;
@@ -51,7 +51,7 @@ function noise(n, width, random) {
   return from.map((value) => value / deviation);
 }
 
-/** Slopes (dh/du, dh/dv) of heights, v downwards; a texel's normal is (-dh/du, dh/dv, 1). */
+/** Returns slopes (dh/du, dh/dv) of heights, v downwards; a texel's normal is (-dh/du, dh/dv, 1). */
 function slopesOf(height, n) {
   return (x, y) => [(height[y * n + wrapped(x + 1, n)] - height[y * n + wrapped(x - 1, n)]) * n / 2,
     (height[wrapped(y + 1, n) * n + x] - height[wrapped(y - 1, n) * n + x]) * n / 2];
@@ -69,7 +69,7 @@ const normalMapOf = (height, n) => {
   return image(n, (x, y) => { const [u, v] = slopes(x, y); return normalBytes(-u, v, 1); });
 };
 
-/** Dents of a hammer: the lowest of round bowls. */
+/** Hammer dents: the lowest of round bowls. */
 function hammered(n) {
   const random = randomFrom(5), height = new Float64Array(n * n);
   for (let dent = 0; dent < 900; ++dent) {
@@ -83,7 +83,7 @@ function hammered(n) {
   return { normal: normalMapOf(height, n), color: [0.9, 0.85, 0.8], metalness: 1, roughness: 0.25 };
 }
 
-/** Flakes of a car's paint: cells of eight texels, each turned its own way. */
+/** Flakes of car paint: cells of eight texels, each with its own tilt. */
 function flakes(n) {
   const random = randomFrom(7), cells = Math.round(n / 8), size = n / cells;
   const flake = Array.from({ length: cells * cells }, () => {
@@ -105,7 +105,7 @@ function flakes(n) {
   return { normal, color: [0.1, 0.2, 0.7], metalness: 0.8, roughness: 0.25 };
 }
 
-/** Wet bricks, each a little tilted, and mortar between them. */
+/** Wet bricks, each slightly tilted, and mortar between them. */
 function bricks(n) {
   const random = randomFrom(11), rows = 16, columns = 8, rough = noise(n, n / 128, random);
   const tilts = Array.from({ length: rows * columns }, () => [random() - 0.5, random() - 0.5]);
@@ -119,7 +119,7 @@ function bricks(n) {
   return { normal: normalMapOf(height, n), color: [0.4, 0.15, 0.1], metalness: 0, roughness: 0.2 };
 }
 
-/** Water in a breeze: waves of whole numbers of periods. */
+/** Water in a breeze: waves with whole numbers of periods. */
 function water(n) {
   const random = randomFrom(13);
   const waves = Array.from({ length: 40 }, () => {
@@ -132,7 +132,7 @@ function water(n) {
   return { normal: normalMapOf(height, n), color: [0.02, 0.06, 0.08], metalness: 0, roughness: 0.08 };
 }
 
-/** A grid of columns x rows quads: `at(u, v)` gives { position, normal }; maps are repeated `repeat` times. */
+/** Makes a grid of columns x rows quads: `at(u, v)` gives { position, normal }; maps repeat `repeat` times. */
 function mesh(columns, rows, repeat, at) {
   const made = { positions: [], normals: [], uvs: [], indices: [] };
   for (let j = 0; j <= rows; ++j)
@@ -155,12 +155,12 @@ const sphere = (radius, repeat) => mesh(128, 64, [2 * repeat, repeat], (u, v) =>
   const normal = [Math.sin(fall) * Math.cos(turn), Math.cos(fall), -Math.sin(fall) * Math.sin(turn)];
   return { position: normal.map((value) => radius * value), normal };
 });
-/** Of `side` metres, seen at 60 degrees from its normal. */
+/** Makes a plane with sides of `side` metres, seen at 60 degrees from its normal. */
 const plane = (side, repeat) => mesh(1, 1, [repeat, repeat], (u, v) => ({
   position: [side * (u - 0.5), side * 0.5 * (0.5 - v), side * 0.866 * (v - 0.5)], normal: [0, 0.866, 0.5] }));
 
 const SIDES = 10;
-/** Staves that are flat though the mesh has few sides and interpolated normals: the map turns these back. */
+/** Flat staves on a mesh of few sides with interpolated normals: the map turns these normals back. */
 function barrel(n) {
   const random = randomFrom(17), grain = slopesOf(noise(n, n / 100, random).map((value) => 0.0006 * value), n);
   const at = (x, y) => {
@@ -182,7 +182,7 @@ function barrel(n) {
   }) };
 }
 
-/** Spheres of metal that are in the map alone. */
+/** Metal spheres that exist only in the map. */
 function domes(n) {
   const count = 6;
   return { normal: image(n, (x, y) => {
@@ -214,7 +214,7 @@ function tower(n) {
   }) };
 }
 
-/** A quilted cover of cloth, dents of its own shape over a fine weave. */
+/** A quilted cloth cover: dents of its shape over a fine weave. */
 function cover(n) {
   const wave = (place) => Math.sin(Math.PI * place);
   const height = heights(n, (u, v) => 0.03 * Math.abs(wave(4 * (u + v)) * wave(4 * (u - v))) +

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of three.js whose shading averages a grid of places of each pixel, while edges stay those of one frame: the
-// error that is left is that of edges, whatever the textures say.
+// Materials of three.js that average their shading over a grid of points in each pixel, while edges stay those of one
+// frame. The remaining error comes only from edges, for any textures.
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
 
-/** Where grid `number` of samples lies, in samples: low discrepancy, the first in the middle. */
+/** Returns the offset of grid `number`, in samples: a low-discrepancy sequence that starts in the middle. */
 export function shiftOfGrid(number) {
   const part = (step) => (0.5 + number * step) % 1 - 0.5;
   return [part(0.7548776662466927), part(0.5698402909980532)]; // of the plastic number: Roberts's R2
 }
 
-// The package's loop over points, without its term for the change of normals.
+// The package's loop over points, without its term for changing normals.
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}
@@ -23,7 +23,7 @@ vec2 multum_shift(int evaluation) {
 }
 `;
 
-/** Has `material` average `samples` x `samples` places; its userData.setGrid(number) moves them. */
+/** Makes `material` average `samples` x `samples` points per pixel; its userData.setGrid(number) moves them. */
 export function exactMaterial(material, samples) {
   const shift = { value: [0, 0] };
   const defines = { MULTUM_EVALUATIONS: samples ** 2, MULTUM_POINTS: `ivec2(${samples})`,

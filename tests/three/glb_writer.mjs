@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a GLB of one mesh of one material, its images as PNG.
+// Writes a GLB with one mesh and one material; its images are PNG.
 import { Buffer } from "node:buffer";
 import { deflateSync } from "node:zlib";
 
@@ -32,8 +32,8 @@ const extreme = (values, better) => [0, 1, 2].map((axis) =>
   values.reduce((best, value, i) => (i % 3 === axis ? better(best, value) : best), values[axis]));
 
 /**
- * `mesh`: { positions, normals, uvs, indices }, flat. `normal`, and where there are any `colors` and `surface` (green
- * roughness, blue metalness): { width, height, rgb }; else `color`, `roughness` and `metalness` of all of it.
+ * `mesh`: { positions, normals, uvs, indices }, flat arrays. `normal`, and optionally `colors` and `surface` (green:
+ * roughness, blue: metalness): { width, height, rgb }; otherwise `color`, `roughness` and `metalness` of the material.
  */
 export function makeGlb(name, { mesh, normal, colors, surface, color = [1, 1, 1], roughness = 1, metalness = 1 }) {
   const images = [normal, colors, surface].filter((one) => one !== undefined);

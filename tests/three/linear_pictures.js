@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares pictures of linear floats, four a pixel, and encodes them.
+// Compares and encodes pictures of linear floats, four per pixel.
 
-/** Relative L1: sum of |picture - reference| over sum of the reference, and the ratio of their sums. */
+/** Returns relative L1, the sum of |picture - reference| over the sum of the reference, and the ratio of their sums. */
 export function compared(picture, reference) {
   let [difference, all, wanted] = [0, 0, 0];
   for (let i = 0; i < picture.length; ++i) {
@@ -13,7 +13,7 @@ export function compared(picture, reference) {
   return { error: difference / wanted, energy: all / wanted };
 }
 
-/** What sRGB has for it, 0 to 255. */
+/** Returns the sRGB code of a linear value, 0 to 255. */
 export const toByte = (linear) => {
   const v = Math.min(1, Math.max(0, linear));
   return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));

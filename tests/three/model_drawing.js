@@ -6,8 +6,8 @@ import { toByte } from "./linear_pictures.js";
 const TILE = 1024; // pixels per side that are drawn at once
 
 /**
- * `width` x `height` pixels, each the mean of `samples` x `samples`; `shift`: of the samples, in samples. Nothing is
- * drawn outside of `crop`, [left, top, width, height].
+ * Draws `width` x `height` pixels, each the mean of `samples` x `samples`. `shift`: offset of the samples, in samples.
+ * Nothing is drawn outside of `crop`, [left, top, width, height].
  */
 export function drawn(renderer, scene, camera,
   { width, height, samples, shift = [0, 0], crop = [0, 0, width, height] }) {
@@ -37,7 +37,7 @@ export function drawn(renderer, scene, camera,
 }
 
 /**
- * The mean of `frames` x `frames` pictures, each shifted by a part of a pixel, as temporal antialiasing has them; each
+ * Draws the mean of `frames` x `frames` pictures, each shifted by a part of a pixel, like temporal antialiasing; each
  * with `edges` samples of edges.
  */
 export function settled(renderer, scene, camera, { width, height, frames, edges }) {
@@ -60,7 +60,9 @@ export function settled(renderer, scene, camera, { width, height, frames, edges 
   return made;
 }
 
-/** Pictures side by side, of each the rectangle [x, y, width, height] enlarged `zoom` times, as a JPEG in base64. */
+/**
+ * Returns pictures next to each other as a JPEG in base64: of each the rectangle [x, y, width, height], `zoom` times.
+ */
 export async function strip(pictures, width, [x0, y0, w, h], zoom) {
   const gap = 4, canvas = new OffscreenCanvas(pictures.length * (w * zoom + gap) - gap, h * zoom);
   const context = canvas.getContext("2d");

@@ -4,7 +4,7 @@ import { toByte } from "./linear_pictures.js";
 
 const plus = (a, b, factor) => a.map((value, i) => value + factor * b[i]);
 
-/** `view` after `step` frames of a "zoom", a "pan" or a "turn", which docs/evidence/FILTER.md defines. */
+/** Returns `view` after `step` frames of a "zoom", a "pan" or a "turn", which docs/evidence/FILTER.md defines. */
 export function moved(view, { motion, step }) {
   const { eye, target } = view, ahead = plus(target, eye, -1), distance = Math.hypot(...ahead);
   const side = [-ahead[2] / distance, 0, ahead[0] / distance];
@@ -15,12 +15,12 @@ export function moved(view, { motion, step }) {
   throw new Error(`motion: found ${motion}, expected zoom, pan or turn`);
 }
 
-const EDGE = 3; // of 255: floors that are further from their references are those of edges
+const EDGE = 3; // of 255: floors that differ more from their references are errors of edges
 
 /**
- * Of pictures of linear floats, four per pixel, their references and floors. `flicker`: the mean over neighbours in
- * time of sum |(f' - f) - (t' - t)| / sum t. `jump`: the largest change of a colour beyond that of its reference, of
- * 255 in sRGB, where there are no edges.
+ * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker`: the mean over
+ * neighbours in time of sum |(f' - f) - (t' - t)| / sum t. `jump`: the largest change of a colour beyond that of its
+ * reference, of 255 in sRGB, where there are no edges.
  */
 export function changes(frames, references, floors) {
   let [flicker, jump] = [0, 0];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures flicker and processor time of models that three.js draws in headless Chromium. PLAN.json: as
-// model_pictures.mjs has it, with `view`, `frames` of a motion and `pairs` of times in place of views. Prints JSON: by
-// model { motions: { zoom, pan, turn: { flicker, jump } }, seconds: [of a frame], plainSeconds: [the same of the first
-// model, each measured next to it], loadSeconds }. Exit code 77: no browser here.
+// Measures flicker and processor time of models that three.js draws in headless Chromium. PLAN.json is that of
+// model_pictures.mjs, but with `view`, `frames` of a motion and `pairs` of times instead of views. Prints JSON by
+// model:
+// { motions: { zoom, pan, turn: { flicker, jump } }, seconds: [per frame], plainSeconds: [the same of the first model,
+// each measured next to it], loadSeconds }. Exit code 77: no browser here.
 //
 //   node model_motion.mjs PACKAGE PLAN.json
 import { readdirSync, readFileSync } from "node:fs";
@@ -10,7 +11,7 @@ import path from "node:path";
 import { pid } from "node:process";
 import { executablePath, openPage } from "./addon_browser.mjs";
 
-const MOTIONS = ["zoom", "pan", "turn"], TICKS = 100, SECONDS = 1.5; // clock ticks per second; of what is timed at once
+const MOTIONS = ["zoom", "pan", "turn"], TICKS = 100, SECONDS = 1.5; // ticks per second; seconds of one measurement
 const [packageFolder, planFile] = process.argv.slice(2);
 const plan = JSON.parse(readFileSync(planFile, "utf8"));
 const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
@@ -28,12 +29,12 @@ function processes() {
       const rest = readFileSync(`/proc/${name}/stat`, "utf8").split(") ").at(-1).split(" ");
       found.set(Number(name), { parent: Number(rest[1]), seconds: (Number(rest[11]) + Number(rest[12])) / TICKS,
         isGpu: readFileSync(`/proc/${name}/cmdline`, "utf8").includes("--type=gpu-process") });
-    } catch { /* it has ended */ }
+    } catch { /* the process has ended */ }
   }
   return found;
 }
 
-/** Processor seconds of the browser's process that draws. */
+/** Returns the processor seconds of the browser process that draws. */
 function drawingSeconds() {
   const all = processes();
   const isOurs = (number) => number === pid || (all.has(number) && isOurs(all.get(number).parent));
@@ -47,7 +48,7 @@ async function secondsOf(number, count) {
 }
 
 async function times(models) {
-  await page.evaluate((all) => globalThis.lab.hold(all), models); // so that nothing is loaded for the first time
+  await page.evaluate((all) => globalThis.lab.hold(all), models); // loads everything before the measurements
   const loads = await page.evaluate((all) => globalThis.lab.hold(all), models), counts = [];
   const found = loads.map((loadSeconds) => ({ loadSeconds, seconds: [], plainSeconds: [] }));
   for (let number = 0; number < models.length; ++number) {

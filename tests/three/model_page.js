@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of models by three.js, next to the mean of many samples per pixel of one of them without mips: what
-// model_pictures.mjs asks of a page.
+// Page functions for model_pictures.mjs: three.js draws models, and the mean of many samples per pixel of one of them
+// without mips.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
@@ -12,14 +12,14 @@ import { changes, moved } from "./model_motion.js";
 import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
-// Noise of the reference that changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
+// Largest noise of the reference, which changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
 const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
 const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
 const views = new Map(); // by name: { shot, reference, shown }
-let begun = null, held = []; // { model, gltfs }; what hold() loaded
+let begun = null, held = []; // { model, gltfs }; models that hold() loaded
 
 function materialsOf(model) {
   const found = new Set();
@@ -27,7 +27,7 @@ function materialsOf(model) {
   return [...found];
 }
 
-/** `model` so large that half of its diagonal is `reach` metres; as it is without. */
+/** Scales `model` so that half of its diagonal is `reach` metres; without `reach` the model stays unchanged. */
 function resized(model, reach) {
   if (reach === undefined) return;
   const size = new THREE.Box3().setFromObject(model).getSize(new THREE.Vector3()).length() / 2;
@@ -36,10 +36,10 @@ function resized(model, reach) {
 }
 
 /**
- * `lobes`: by the plugin; `points`: evaluations of a pixel's light without lobes, three.js's own shading where unset;
- * `options`: of either; `exact`: samples along each side of a pixel that every frame's shading averages; `unfiltered`
- * and `exact`: its maps of normals and of the surface have no mips; `reach`: half of its diagonal, in metres. All maps
- * have the renderer's most anisotropic filter.
+ * Loads a model. `lobes`: by the plugin; `points`: evaluations of a pixel's light without lobes, or three.js's own
+ * shading if unset; `options`: for either; `exact`: samples along each side of a pixel over which every frame averages
+ * its shading; `unfiltered` and `exact`: maps of normals and of the surface have no mips; `reach`: half of the
+ * diagonal, in metres. All maps have the renderer's highest anisotropy.
  */
 async function load({ url, lobes = false, points, options = {}, unfiltered = false, exact, reach }) {
   const loader = new GLTFLoader().setKTX2Loader(ktx2);
@@ -61,7 +61,7 @@ async function load({ url, lobes = false, points, options = {}, unfiltered = fal
   return gltf;
 }
 
-/** Gives back what the GPU holds of it. */
+/** Releases what the GPU holds of the model. */
 function unload(gltf) {
   for (const lobes of gltf.userData.lobes ?? []) lobes.dispose();
   gltf.scene.traverse(({ geometry }) => geometry?.dispose());
@@ -71,20 +71,23 @@ function unload(gltf) {
   }
 }
 
-/** A view of all of `model` from `distance`, `direction` from its middle, and what of the picture to enlarge. */
+/**
+ * Returns a view of all of `model` from `distance` in `direction` from its centre, and the part of the picture to
+ * enlarge.
+ */
 function framed(model, { direction, distance, ...view }) {
   const box = new THREE.Box3().setFromObject(model), target = box.getCenter(new THREE.Vector3());
   const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance).add(target);
   const reach = box.getSize(new THREE.Vector3()).length() / 2;
-  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // to where a ray touches the sphere about it
-  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // of half the picture
+  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // distance to where a ray touches the sphere
+  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // per half picture
   const share = Math.min(1, seen), side = 2 * Math.ceil(0.5 * height * share);
   const [w, h] = [Math.min(width, side), Math.min(height, side)];
   return { ...view, eye: eye.toArray(), target: target.toArray(), zoom: Math.max(1, Math.round(1 / share)),
     crop: [(width - w) >> 1, (height - h) >> 1, w, h] };
 }
 
-/** How `view` shows a model. */
+/** Returns the shot of a model for `view`. */
 function shotOf(view) {
   const camera = new THREE.PerspectiveCamera(view.angle, view.width / view.height, 0.01, 1000);
   camera.position.set(...view.eye);
@@ -111,11 +114,11 @@ const added = (sum, pixels) => pixels.forEach((value, i) => { sum[i] += value; }
 const scaled = (pixels, factor) => pixels.map((value) => factor * value);
 
 /**
- * The mean of grids of `shot.samples` x `shot.samples` samples per pixel, each grid shifted by a part of a sample, and
- * the floor over the same samples: one frame whose pixels have exact normals, colours and curvature, so that only the
- * edges of triangles differ. One grid and no floor where `exact` is null; else as many as keep the noise, half of the
- * difference of two halves, below NOISE_SHARE of the floor's error or below NOISE_SMALL, and at most as many samples as
- * `shot.grids` grids of the whole picture have.
+ * Returns the mean of grids of `shot.samples` x `shot.samples` samples per pixel, each grid shifted by a part of a
+ * sample. Also returns the floor over the same samples: one frame whose pixels have exact normals, colours and
+ * curvature, so that only the edges of triangles differ. If `exact` is null, there is one grid and no floor. Otherwise
+ * grids are added until the noise, half of the difference of two halves, is below NOISE_SHARE of the floor's error or
+ * below NOISE_SMALL, with at most as many samples as `shot.grids` grids of the whole picture have.
  */
 function measured(shot, unfiltered, exact) {
   const { camera, width, height, samples, crop } = shot, scene = shot.sceneOf(unfiltered.scene);
@@ -152,7 +155,7 @@ async function begin(model) {
   begun = { model, gltfs: { unfiltered: await load({ ...model, unfiltered: true }) } };
 }
 
-/** What its shading is exact in, for the grids of samples that the reference has. */
+/** Returns the properties in which shading is exact, for the reference's grids of samples. */
 async function exactOf(samples) {
   begun.gltfs.exact ??= await load({ ...begun.model, exact: samples });
   const { scene } = begun.gltfs.exact;
@@ -161,9 +164,9 @@ async function exactOf(samples) {
 
 /**
  * Draws the reference of a view: { name, eye, target, angle, width, height, samples, frames, edges, light, intensity,
- * room, crop, zoom, moved }, or direction and distance in place of eye, target, crop and zoom; with `grids`, the floor
- * too. `moved`: { motion, step } of model_motion.js.
- * Returns { pixels, grids, noise, floor }, pixels as text. `kept`: the same from before, drawn no more.
+ * room, crop, zoom, moved }, or with direction and distance instead of eye, target, crop and zoom. With `grids` it also
+ * draws the floor. `moved`: { motion, step } of model_motion.js. Returns { pixels, grids, noise, floor }, pixels as
+ * text. `kept`: an earlier result, which is returned without drawing.
  */
 async function refer(view, kept = null) {
   const { unfiltered } = begun.gltfs, shot = shotFrom(unfiltered.scene, view);
@@ -174,8 +177,8 @@ async function refer(view, kept = null) {
 }
 
 /**
- * Draws `model`, { url, lobes, points, options, reach }, in all views. Returns by view { error, energy, lobed }, the
- * last being how many materials draw lobes.
+ * Draws `model`, { url, lobes, points, options, reach }, in all views. Returns { error, energy, lobed } by view;
+ * `lobed` is the number of materials that draw lobes.
  */
 async function draw(model) {
   const gltf = await load(model), found = {};
@@ -190,13 +193,13 @@ async function draw(model) {
   return found;
 }
 
-/** The reference of a view and what draw() drew, side by side: { zoom, strip }, a JPEG in base64. */
+/** Returns the reference of a view and the picture of draw() next to each other: { zoom, strip }, a JPEG in base64. */
 async function side(name) {
   const { shot, shown } = views.get(name);
   return { zoom: shot.zoom, strip: await strip(shown, shot.width, shot.crop, shot.zoom) };
 }
 
-/** Of the views `names`, neighbours in time: what changes() finds in each picture that draw() drew, in that order. */
+/** Returns the results of changes() for each picture of draw(), in order, for the views `names`, neighbours in time. */
 function motion(names) {
   const floors = names.map((name) => views.get(name).reference.floorPixels);
   const [references, ...drawn] = views.get(names[0]).shown.map((_, number) =>
@@ -204,7 +207,7 @@ function motion(names) {
   return drawn.map((frames) => changes(frames, references, floors));
 }
 
-/** Loads models that repeat() draws; returns how many seconds each took. */
+/** Loads models for repeat(). Returns the seconds that each took. */
 async function hold(models) {
   held = [];
   const seconds = [];

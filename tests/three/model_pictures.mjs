@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { reference, models: [{ file, lobes,
-// points, options }], reach, views: [of model_page.js, named], keep, strips }, files next to the plan. The reference is
-// of the file `reference`, else of the first model. `keep`: by view, the file that keeps its reference. Writes NAME.jpg
-// of each view to OUT, but where `strips` is false; prints JSON: by view, error and energy of each model, and with
-// `grids` the floor and the reference's noise. Exit code 77: no browser here.
+// points, options }], reach, views: [of model_page.js, named], keep, strips }, with files next to the plan. The file
+// `reference`, or else the first model, gives the reference. `keep` maps views to files that keep their references.
+// Writes NAME.jpg of each view to OUT unless `strips` is false. Prints JSON by view: error and energy of each model,
+// and
+// with `grids` the floor and the reference's noise. Exit code 77: no browser here.
 //
 //   node model_pictures.mjs PACKAGE PLAN.json OUT
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
@@ -18,7 +19,7 @@ const { chromium } = await import("../service/web/node_modules/playwright-core/i
   skip("no playwright-core: tools/install_dependencies test"));
 const { page, complaints, close } = await openPage(chromium, { package: packageFolder, files: path.dirname(planFile),
   script: "model_page.js" });
-const keep = plan.keep ?? {}; // by view, the file of its reference
+const keep = plan.keep ?? {}; // view name to the file of its reference
 try {
   page.setDefaultTimeout(600000);
   const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, reach: plan.reach, ...ways }));

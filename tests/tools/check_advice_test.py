@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tries tools/check_advice.py on sources with and without options in their messages: check_advice_test.py TOOLS"""
+"""Tests tools/check_advice.py on sources with and without options in their messages: check_advice_test.py TOOLS"""
 import pathlib
 import subprocess
 import sys
@@ -10,7 +10,7 @@ TOOL = pathlib.Path(sys.argv[1]) / "check_advice.py"
 
 
 def check(source):
-    """The lines that the tool prints for a source of a shared folder."""
+    """Returns the lines that the tool prints for a source of a shared folder."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "host" / "image"
         path.mkdir(parents=True)

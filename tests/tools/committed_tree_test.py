@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tries tools/lab/committed_tree.py on repositories of its own: committed_tree_test.py TOOLS"""
+"""Tests tools/lab/committed_tree.py on repositories of its own: committed_tree_test.py TOOLS"""
 import pathlib
 import shutil
 import subprocess
@@ -30,7 +30,7 @@ def expect_refusal(root, part):
 
 def main():
     if shutil.which("git") is None:
-        print("skipped: git is not there")
+        print("skipped: git is not installed")
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder) / "repository"
@@ -44,7 +44,7 @@ def main():
         git(root, "commit", "-qm", "first")
         code, said = ask(root)
         assert code == 0 and said.startswith("commit ") and "dirty" not in said, (code, said)
-        # Documents are made one after another.
+        # Documents are made one after another, so other changed documents are allowed.
         (root / "docs" / "A.md").write_text("2")
         (root / "README.md").write_text("2")
         assert ask(root)[0] == 0
@@ -54,7 +54,7 @@ def main():
         assert ask(root)[0] == 0
         (root / "kernel.cl").write_text("new, and in no commit")
         expect_refusal(root, "-dirty")
-        # Inside another repository it is none.
+        # A folder inside another repository is not a repository.
         (root / "inner").mkdir()
         expect_refusal(root / "inner", "unknown")
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A build without fields and farm (preset core) is configured where SQLite and Boost cannot be found. It names no file
-of fields and farm nor what they need, and compiles what stands in their place.
+"""Configures a build without fields and farm (preset core) where SQLite and Boost cannot be found. The build names no
+file of fields and farm, nor a library of theirs, and compiles the sources that replace them.
 
-Usage: core_build_test.py FOLDER BUILD    (a folder that it may replace; the build of all that multum has)
+Usage: core_build_test.py FOLDER BUILD    (a folder that it may replace; a build of everything)
 
-All other sources of it are compiled in the build of all, with the same flags: the test compares both lists.
+The complete build compiles all other sources of it, with the same flags: the test compares both lists.
 """
 import pathlib
 import re
@@ -29,7 +29,8 @@ def run(*words):
 
 
 def objects(folder):
-    """The programs' sources that a build compiles, each with its object; of unity files the sources within."""
+    """Returns the programs' sources that a build compiles, each with its object; for unity files, the included
+    sources."""
     found = {}
     for made, source in COMPILED.findall((folder / "build.ninja").read_text()):
         path = pathlib.Path(source)
@@ -50,8 +51,8 @@ def main():
             sys.exit(f"a core build names {word.group(0)}: {line[:300]}")
     core = objects(folder)
     if (own := core.keys() - objects(whole).keys()) != OWN:
-        sys.exit(f"a core build alone compiles {sorted(own)}, expected {sorted(OWN)}")
-    for name in OWN:  # compiled, nothing made before
+        sys.exit(f"only the core build compiles {sorted(own)}, expected {sorted(OWN)}")
+    for name in OWN:  # compiles without building anything else first
         command = run("ninja", "-C", folder, "-t", "commands", "-s", core[name])
         run("bash", "-c", f"cd '{folder}' && {command.strip()} -fsyntax-only")
     print(f"{len(core)} sources, {len(own)} of its own")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The scripts that a newcomer starts: their syntax, their help, what they refuse, the packages they name, the page."""
+"""Tests the scripts that a newcomer starts: syntax, help, refusals, the packages that they name, and the demo's
+page."""
 import html.parser
 import json
 import pathlib
@@ -14,7 +15,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOLS = ROOT / "tools"
 SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", ROOT / ".ci/run"]
-# What provides each find_package of the CMake files; nothing where the compiler or CMake itself does.
+# The package that provides each find_package of the CMake files; None if it comes with the compiler or CMake.
 PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
               "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "PNG": "libpng-dev",
               "OpenImageIO": "libopenimageio-dev",

@@ -7,8 +7,8 @@ after the name.
     docs/reference/file_format.md, "Rounding"      it has the heading "Rounding", or a paragraph that begins so in bold
     ARCHITECTURE.md                                some folder has a page of that name
 
-Comments and messages may be broken over lines. Usage: document_paths_test.py [--root FOLDER] checks the tree, after it
-has checked itself on texts of its own. Exit code 1 for a dead name, one line per name.
+Comments and messages may span several lines. Usage: document_paths_test.py [--root FOLDER] first checks itself on texts
+of its own, and then the tree. Prints one line per dead name, and exits with code 1 if there are any.
 """
 import argparse
 import os
@@ -22,7 +22,7 @@ SUFFIXES = {".h", ".cpp", ".cl", ".clh", ".glsl", ".vert", ".frag", ".js", ".mjs
             ".cmake", ".txt", ".toml", ".json", ".md", ""}
 PAGE = re.compile(r"(?<![\w/.-])docs/[\w./-]+?\.(?:md|json|py)\b")
 BARE = re.compile(r"(?<![\w/.([-])[A-Z][A-Z_]+\.md\b")
-# A quoted section follows its page at once, or after a comma; a second one after "and".
+# A quoted section follows its page directly or after a comma; a second section follows "and".
 SECTIONS = re.compile(r'(?:,\s*|\s+)"([^"<>{}]+)"(?:\s*(?:,|and)\s*"([^"<>{}]+)")?')
 # Names that stand for any page, and pages of other projects.
 STANDS_FOR_ANY = {"NAME.md", "PAGE.md", "FILE.md", "OUTPUT.md", "MANIFEST.md"}
@@ -30,7 +30,7 @@ SELF = "tests/tools/document_paths_test.py"
 
 
 def joined(text):
-    """The text with its comments and string literals as running lines, and the number of the line of each character."""
+    """Returns the text with its comments and string literals as running lines, and each character's line number."""
     pieces, lines, number = [], [], 1
     pattern = re.compile(r'"[ \t]*\n[ \t]*(?:R?"|fmt::format\(")|\n[ \t]*(?:///?|#|\*)?[ \t]*|\\"|\\n', re.MULTILINE)
     at = 0
@@ -49,12 +49,12 @@ def joined(text):
 
 
 def plain(title):
-    """A heading without its marks."""
+    """Returns a heading without its marks."""
     return re.sub(r"[`*]", "", title).strip()
 
 
 def sections(page):
-    """Headings of a page, and the emphasised words that open its paragraphs and list items."""
+    """Returns the headings of a page, and the emphasised words that open its paragraphs and list items."""
     found, is_code = set(), False
     for line in page.splitlines():
         if line.startswith("```"):
@@ -69,7 +69,7 @@ def sections(page):
 
 
 def is_section(title, titles):
-    """Whether the quoted words are a section, or its part before a colon or comma."""
+    """Returns whether the quoted words are a section's name, or its part before a colon or comma."""
     title = plain(" ".join(title.split())).rstrip(".,:")
     return title in titles or any(known.split(":")[0] == title or known.split(",")[0] == title for known in titles)
 
@@ -115,7 +115,7 @@ class Tree:
 
 def check_itself():
     page = "# Title\n\n## The `first` part\n\n**Bold words.** Text.\n\n```sh\n# no heading\n```\n"
-    cases = [  # text of a source, and how many dead names it has
+    cases = [  # text of a source, and its number of dead names
         ('// Rows (docs/a/page.md,\n// "The first part").\n', 0),
         ('// Rows (docs/a/page.md, "The second part").\n', 1),
         ('// docs/a/page.md, "Bold words", "The first part" and docs/a/page.md\n', 0),

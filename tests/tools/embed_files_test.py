@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/embed_files.py: a program gets back the bytes of its files.   embed_files_test.py C++-COMPILER"""
+"""Tests tools/embed_files.py: a program gets back the bytes of its files.   embed_files_test.py C++-COMPILER"""
 import pathlib
 import subprocess
 import sys
@@ -25,7 +25,7 @@ class EmbeddingTest(unittest.TestCase):
                         self.folder / "in", *(name for name in files if not name.endswith(".clh"))], check=True)
 
     def compiled_output(self, header, main):
-        """What main prints, linked with the embedded files, warnings being errors."""
+        """Compiles main with the embedded files, with warnings as errors, and returns its output."""
         (self.folder / "out.h").write_text(header)
         (self.folder / "main.cpp").write_text('#include <iostream>\n#include "out.h"\nint main() { ' + main + " }")
         program = self.folder / "program"

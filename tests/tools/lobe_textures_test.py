@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that have the table of docs/evidence/LOBE_TEXTURES.md have it as it is there, and a change of either is
+"""Pages with a copy of the table of docs/evidence/LOBE_TEXTURES.md have the same table, and a change of either is
 found."""
 import pathlib
 import shutil

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/reference/commands.md has every option that the help of `multum bake`, `export`, `gltf`, `look`, `pack`, of
-`multum-view`
-and of its subcommands prints, with its default, and no other. A program that was not built is passed over.
+"""docs/reference/commands.md lists exactly the options that the help of `multum bake`, `export`, `gltf`, `look`,
+`pack`, of `multum-view` and of its subcommands prints, with their defaults. A program that was not built is skipped.
 
   tests/tools/options_test.py --programs FOLDER
 """
@@ -23,14 +22,14 @@ programs = ROOT / "build/release/bin"
 
 
 def printed_options(text):
-    """Of --help: {"--lobes": "4"}, with "" where no default is printed; and {"-o": "--output"}."""
+    """Parses --help: {"--lobes": "4"}, with "" if no default is printed; and {"-o": "--output"}."""
     options, short = {}, {}
     for line in text.splitlines():
         found = re.match(r"  (?:(-\w),)?(--[\w-]+)(.*)$", line)
         if found is None:
             continue
         letter, name, rest = found.groups()
-        words = re.split(r"\s{2,}", rest, maxsplit=1)[0]  # the type and the default; then comes the description
+        words = re.split(r"\s{2,}", rest, maxsplit=1)[0]  # the type and the default, before the description
         default = re.search(r"=([^\s=)\]]+)$", words)
         options[name] = default.group(1) if default else ""
         if letter:
@@ -39,8 +38,8 @@ def printed_options(text):
 
 
 def documented_options(page, command):
-    """Of the tables of the section on COMMAND: {"--lobes": "1 to 8, default `4`"}, and the short names; those that
-    stand twice are in the list."""
+    """Parses the tables of COMMAND's section: {"--lobes": "1 to 8, default `4`"}, the short names, and a list of the
+    options that appear twice."""
     section = re.search(rf"^## `{command}`\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL).group(1)
     options, short, twice = {}, {}, []
     for row in re.findall(r"^\| (`-.*) \|$", section, re.MULTILINE):
@@ -67,7 +66,8 @@ class OptionsTest(unittest.TestCase):
                 self.assertIn("--help", printed)
                 self.assertEqual(twice, [])
                 if command.startswith("multum-view "):
-                    # Its section has what the program's own section does not have, or has otherwise.
+                    # A subcommand's section lists only options that the program's own section lacks or describes
+                    # differently.
                     self.assertEqual([name for name in documented if name not in printed], [])
                     common, common_short, _ = documented_options(PAGE.read_text(), "multum-view")
                     documented = {name: (common | documented)[name] for name in printed if name in common | documented}

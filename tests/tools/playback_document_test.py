@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/lab/playback_document.py on a small field of traced frames: its page, its rows, and what it refuses; and
-its parts: the path through the parameters, errors and their places,
-values between points of a curve, colours of videos.
+"""Tests tools/lab/playback_document.py on a small field of traced frames: its page, its rows, its refusals, and its
+parts: the path through the parameters, errors and their places, values between points of a curve, colours of videos.
 
   tests/tools/playback_document_test.py --programs FOLDER
 """
@@ -61,7 +60,7 @@ class PartsTest(unittest.TestCase):
     def test_error_is_of_all_values(self):
         black = np.zeros((2, 3, 4, 3), np.uint8)
         other = black.copy()
-        other[1, 2, 3, 0] = 255  # a difference that 8 bits cannot square
+        other[1, 2, 3, 0] = 255  # 8 bits cannot hold the square of this difference
         self.assertAlmostEqual(fields.mse(black, other), 255 ** 2 / black.size, places=3)
 
     def test_places_add_up(self):
@@ -80,7 +79,7 @@ class PartsTest(unittest.TestCase):
         points = [(400, 20.0), (100, 5.0)]
         self.assertAlmostEqual(curves.value_at(points, 200), 10.0)
         self.assertAlmostEqual(curves.value_at(points, 400), 20.0)
-        self.assertAlmostEqual(curves.value_at(points, 99), 5.0)  # it came near what was asked for
+        self.assertAlmostEqual(curves.value_at(points, 99), 5.0)  # close to the requested value
         self.assertIsNone(curves.value_at(points, 401))
         self.assertIsNone(curves.value_at(points, 95))
 
@@ -103,7 +102,7 @@ class PartsTest(unittest.TestCase):
                 sizes, errors = zip(*[(size, fields.mse(decoded, frames)) for size, decoded in
                                       (video_codecs.coded(codec, codec.qualities[at], frames) for at in (0, -2))])
                 self.assertGreater(sizes[0], 1.5 * sizes[1])
-                self.assertLess(errors[0], 12)  # colours that are mixed up would be far off
+                self.assertLess(errors[0], 12)  # swapped colours would differ much more
                 self.assertLess(errors[0], errors[1])
 
     def test_settings_of_a_job(self):
@@ -144,7 +143,7 @@ class DemosTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as holder:
             folder = pathlib.Path(holder)
             write_traced_field(folder / "data/field_demo1")
-            hakura2000.TARGETS = (12, 20)  # a field of 83 kB is no 384th
+            hakura2000.TARGETS = (12, 20)  # 1/384 of a field of 83 kB is not possible
             made = study.Study(hakura2000.TITLE, folder / "page", pathlib.Path(programs).resolve(), folder / "data",
                                64, 2)
             hakura2000.pages_that_play(made, [])
@@ -197,7 +196,7 @@ class DocumentTest(unittest.TestCase):
         drawn = xml.etree.ElementTree.parse(self.folder / "images/playback_field_small.svg")
         self.assertEqual(len(drawn.findall(".//{*}circle")), 6)
 
-        # Nothing is measured again; what the binary lacks, or cannot do, is left out with a word.
+        # Nothing is measured again; rows that the binary cannot measure are left out with a message.
         before = (self.folder / "work/rows.json").read_bytes()
         self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
         self.assertEqual((self.folder / "work/rows.json").read_bytes(), before)
@@ -212,10 +211,10 @@ class DocumentTest(unittest.TestCase):
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
         measured_at = re.search(r"bytes\. Measured at (.+)\.$", page, re.MULTILINE)
         self.assertIsNotNone(measured_at, page)
-        # Beside it stands the tree's own commit, whose name may sort before "1".
+        # The page also has the tree's own commit, whose name may sort before "1".
         self.assertIn("1", measured_at.group(1).split(", "))
 
-        # What is named is measured again, into a file of rows that lies elsewhere, and no more than that.
+        # Named rows, and no others, are measured again, into a file of rows in another place.
         for row in rows:
             row["commit"] = "commit 1"
         kept = self.folder / "kept.json"
@@ -274,7 +273,7 @@ class DocumentTest(unittest.TestCase):
         self.assertNotIn("#### In the browser", page)
 
     def path_without_browsers(self):
-        """A folder of links to all programs but those."""
+        """Returns a folder of links to all programs except for those."""
         folder = self.folder / "programs"
         folder.mkdir()
         for place in os.environ["PATH"].split(":"):

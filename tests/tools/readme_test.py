@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Compares README.md and the pages of docs/ with the figures that they quote, and checks that tools/lab/readme_figures
---check sees every figure that is changed by hand. Nothing is drawn."""
+--check finds every figure that is changed by hand. Draws no picture."""
 import os
 import pathlib
 import re

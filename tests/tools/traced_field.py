@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a small field of traced frames: a patterned ground and a board that stands on it, seen from some views under
-some lights, as tests/cli/traced_scene.cpp has it for tests of the programs; docs/reference/animation_jobs.md has the
-files' format."""
+"""Writes a small field of traced frames: a patterned ground and an upright board, from some views under some
+lights, like tests/cli/traced_scene.cpp. docs/reference/animation_jobs.md describes the files' format."""
 import json
 import pathlib
 
@@ -16,7 +15,7 @@ HASHES = {"ground": 0x3F400000, "board": 0x3E800000}
 
 
 def camera(view):
-    """World to camera, 4 x 4."""
+    """Returns the matrix from world to camera, 4 x 4."""
     eye = np.array([2.0 * np.sin(0.1 * view), -2.0 * np.cos(0.1 * view), 1.2])
     back = eye - np.array([0.0, 0.3, 0.2])
     back /= np.linalg.norm(back)

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Stand-ins for shared libraries that a library names but that nobody here ever calls.
+"""Makes stand-ins for shared libraries that a library links but multum never calls.
 
-Debian's OpenImageIO links the decoders of every format it knows: films, medical images, volumes, 220 libraries of 320
-MB in all, and is bound at start, so that each of their symbols must be there. multum hands it PNG, JPEG, WebP, TIFF and
-OpenEXR alone (host/formats/image/files/image_container.h). A stand-in has the same name, symbols and
-symbol versions as the library; its functions say so and end the process, but for those that return a version as text.
+Debian's OpenImageIO links the decoders of every format it knows: films, medical images, volumes; 220 libraries and
+320 MB in all. It is bound at program start, so each of their symbols must exist. multum gives it only PNG, JPEG, WebP,
+TIFF and OpenEXR (host/formats/image/files/image_container.h). A stand-in has the same name, symbols and symbol versions
+as the library. Its functions print that they are stand-ins and end the process, except for functions that return a
+version as text.
 """
 import pathlib
 import re
@@ -13,7 +14,7 @@ import subprocess
 import tempfile
 
 SYMBOL = re.compile(r"^\s*\d+:\s+\S+\s+(\d+)\s+(\w+)\s+(\w+)\s+\w+\s+(?:\[.*\]\s+)?(\S+)\s+(\S+?)(?:\s+\(\d+\))?$")
-# OpenImageIO's list of formats has the version of each decoder as text.
+# OpenImageIO's list of formats holds the version of each decoder as text.
 ASKED_ALWAYS = re.compile(r"^libraw_version$")
 
 
@@ -31,7 +32,7 @@ def symbols(library):
 
 
 def source_of(soname, wanted, defined):
-    """C source with every wanted symbol, and the linker's version script."""
+    """Returns C source that defines every wanted symbol, and the linker's version script."""
     lines = ["#include <stdlib.h>", "#include <unistd.h>", "static void refuse(void) {",
              f'  static const char text[] = "{soname}: not part of this archive, since multum reads no file that needs '
              'it\\n";',
@@ -48,13 +49,13 @@ def source_of(soname, wanted, defined):
             lines.append(f"char {name}[{max(size, 8)}] __attribute__((aligned(32)));")
     script = []
     for version, names in versions.items():
-        if version:  # without a script's word a symbol is global and has no version
+        if version:  # a symbol without a version stays global by default
             script.append(version + " { global: " + " ".join(f"{n};" for n in names) + " };")
     return "\n".join(lines) + "\n", "\n".join(script)
 
 
 def write_stand_in(user, library, soname, output):
-    """Writes `output`, a stand-in for `library` as far as `user` needs its symbols. Needs gcc and binutils."""
+    """Writes `output`, a stand-in for `library` with the symbols that `user` needs. Needs gcc and binutils."""
     defined = {}
     for name, version, kind, size, is_defined in symbols(library):
         if is_defined and kind in ("FUNC", "IFUNC", "OBJECT", "NOTYPE"):

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-farm-simulation: many maps on many nodes of Slurm's, in virtual time. The ledger is the real one (JobQueue on
-// a disk, its commits synced), as are the chunks and the files of the shared folder; Slurm's commands, nodes, their
-// failures and the durations of maps are drawn. What real code takes is measured and counts as virtual time too.
+// multum-farm-simulation: simulates many maps on many Slurm nodes, in virtual time. The ledger is the real one
+// (JobQueue
+// on a disk, with synced commits), and so are the chunks and the files of the shared folder. Slurm's commands, nodes,
+// node failures and bake times are simulated with random numbers. The measured time of real code also counts as virtual
+// time.
 //
-//   commands' thread   squeue, files of all parts that are with Slurm, then one sbatch a chunk    (slurm_pool.h)
-//   ledger's thread    ends of parts, claims, notes, each kind in one transaction                 (queue_thread.h)
-//   nodes              a chunk each; one that fails begins its chunk again elsewhere, behind the jobs that have ended
+//   commands' thread   squeue, files of all parts that are with Slurm, then one sbatch per chunk  (slurm_pool.h)
+//   ledger's thread    ends of parts, claims, notes: one transaction for each kind                (queue_thread.h)
+//   nodes              one chunk each; after a node failure the chunk restarts elsewhere, without the finished jobs
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -35,23 +37,23 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string folder, json;
   int maps = 1000000, nodes = 1000, jobs_max = 10000;
-  double map_seconds = 20.0;  // median; the logarithm's deviation is kSpread
+  double map_seconds = 20.0;  // median; kSpread is the deviation of the logarithm
   double chunk_seconds = SlurmSettings{}.chunk_seconds;
   double sbatch_seconds = 0.031;  // docs/evidence/SERVICE.md, "Slurm": four nodes on one machine
-  double file_seconds = 0.0005;   // a look at a file of the shared folder: a round trip to its server
-  double fail_share = 0.01;       // of attempts: worth trying again
-  double refuse_share = 0.001;    // of maps: cannot be baked
-  double node_hours = 200.0;      // between two failures of a node
-  double repair_seconds = 600.0;  // until it is back
-  bool asks_for_each = false;     // for each file of each part, as before folders were listed
+  double file_seconds = 0.0005;   // one access to a file of the shared folder: a round trip to its server
+  double fail_share = 0.01;       // share of attempts that fail and may be tried again
+  double refuse_share = 0.001;    // share of maps that cannot be baked
+  double node_hours = 200.0;      // mean time between two failures of a node
+  double repair_seconds = 600.0;  // until a failed node is back
+  bool asks_for_each = false;     // asks for each file of each part, as versions did that could not list folders
   unsigned seed = 1;
 };
 
 constexpr double kSpread = 0.5;
-constexpr int kClaimsAtOnce = 200;                                  // as dispatch/dispatcher.cpp
-constexpr int kSubmissionsAtOnce = 256;                             // as ledger/queue_thread.cpp
-constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // of a list, and of each line in it
-constexpr double kTaskStartSeconds = 0.5;                           // of a slot, whatever a task does (slurm_plan.h)
+constexpr int kClaimsAtOnce = 200;                                  // as in dispatch/dispatcher.cpp
+constexpr int kSubmissionsAtOnce = 256;                             // as in ledger/queue_thread.cpp
+constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // per list, and per line of the list
+constexpr double kTaskStartSeconds = 0.5;                           // per slot, whatever the task does (slurm_plan.h)
 
 JobSubmission submission_of(int map) {
   JobSubmission job;
@@ -72,7 +74,7 @@ LedgerSettings ledger_in(const std::string& folder) {
   return settings;
 }
 
-// What the page shows of a state, or of all jobs.
+// The jobs that the page shows: the newest of one state, or of all states.
 JobFilter newest_in(std::optional<JobState> state) {
   JobFilter filter;
   filter.state = state;
@@ -93,9 +95,9 @@ struct Item {
   std::int64_t job;
   int attempt;
   double seconds;
-  int code;  // exit code that it will have
+  int code;  // exit code that the item will end with
   bool has_ended = false;
-  double ended = -1.0;  // planned, while its chunk runs
+  double ended = -1.0;  // planned end while the item's chunk runs
 };
 
 struct Chunk {
@@ -104,7 +106,7 @@ struct Chunk {
   bool runs = false;
 };
 
-// Of the ledger's thread, in seconds: what other programs take of the machine lengthens the first alone.
+// Seconds of the ledger's thread. Other programs on the machine lengthen only `elapsed`.
 struct LedgerTime {
   double elapsed = 0.0, processor = 0.0;
 };
@@ -137,7 +139,7 @@ class Simulation {
   }
 
  private:
-  // What `body` takes of the ledger's one thread, as one transaction.
+  // Runs `body` as one transaction, and adds the time that the ledger's only thread needs for it.
   template <typename Body>
   void in_ledger(LedgerTime& time, const Body& body) {
     const Stopwatch stopwatch;
@@ -166,7 +168,7 @@ class Simulation {
     work_began_ = now_;
   }
 
-  // What the page asks for each second, and when somebody looks for what has died.
+  // Runs the queries that the page sends each second, and those of a user who looks for failed jobs.
   void look_at_page(const std::string& when) {
     const auto milliseconds = [&](const auto& body) {
       double best = 1e9;
@@ -248,11 +250,11 @@ class Simulation {
     now_ += seconds;
   }
 
-  // Questions to the folder's server in a look (look_at_files()).
+  // The number of requests to the folder's server for one chunk in one look (look_at_files()).
   double look_files(const Chunk& chunk) const {
     const auto parts = static_cast<double>(chunk.items.size() - chunk.reported);
     if (o_.asks_for_each) return kFilesAPart * parts + (chunk.runs ? kFilesOfLog : 0.0);
-    return 1.0 + (chunk.runs ? 1.0 + (parts > 1.0 ? 1.0 : 0.0) + kFilesOfLog : 0.0);  // a status, what the task says
+    return 1.0 + (chunk.runs ? 1.0 + (parts > 1.0 ? 1.0 : 0.0) + kFilesOfLog : 0.0);  // a status, the task's output
   }
 
   void note_ends() {
@@ -273,7 +275,7 @@ class Simulation {
         for (std::size_t e = first; e < std::min(ends.size(), first + kSubmissionsAtOnce); ++e)
           note_end(ends[e].batch, ends[e].item);
       });
-    // A chunk's last item ends with its task, a moment before the node says so.
+    // A chunk's last item ends with its task, a moment before the node reports the end.
     std::erase_if(chunks_, [&](const auto& one) {
       const Chunk& chunk = one.second;
       if (chunk.reported < chunk.items.size() || chunk.runs) return false;
@@ -347,7 +349,7 @@ class Simulation {
   }
 
   int draw_code(std::int64_t job) {
-    // A map that cannot be baked is one at every attempt.
+    // The seed depends on the map only: a map that cannot be baked fails at every attempt.
     std::minstd_rand of_map(static_cast<unsigned>(job) * 7919u + o_.seed);
     of_map.discard(3);
     if (std::uniform_real_distribution<>()(of_map) < o_.refuse_share) return 3;
@@ -398,7 +400,7 @@ class Simulation {
     bool operator>(const Event& other) const { return at > other.at; }
   };
   const std::string kOwner = slurm_owner("simulated");
-  // An end, a status, what the task says; and what move_log() opens of a part that runs.
+  // A part has an end, a status and the task's output; move_log() opens four files of a part that runs.
   static constexpr double kFilesAPart = 3.0, kFilesOfLog = 4.0;
 
   const Options& o_;
@@ -407,8 +409,8 @@ class Simulation {
   std::mt19937_64 random_;
   int free_nodes_;
   double now_ = 0.0, work_began_ = 0.0;
-  std::map<std::int64_t, Chunk> chunks_;  // that are with Slurm
-  std::deque<std::int64_t> waiting_;      // of these, for a node
+  std::map<std::int64_t, Chunk> chunks_;  // chunks that are with Slurm
+  std::deque<std::int64_t> waiting_;      // chunks that wait for a node
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::int64_t last_batch_ = 0, commits_ = 0;
   int with_slurm_ = 0, finished_ = 0, failures_ = 0, node_failures_ = 0, next_sample_ = 0;
@@ -437,26 +439,27 @@ void check(const Options& o) {
 
 int run(int argc, char** argv) {
   Options o;
-  CLI::App app("Simulates many maps on many nodes of Slurm's with the real ledger, in virtual time.");
+  CLI::App app("Simulates many maps on many Slurm nodes with the real ledger, in virtual time.");
   app.footer("Example: multum-farm-simulation -o run.json --folder /tmp/run --maps 20000 --nodes 100");
-  app.add_option("--folder", o.folder, "folder for the ledger, on the disk that is to be measured")->required();
-  app.add_option("-o,--output", o.json, "JSON file of what was found")->required();
-  app.add_option("--maps", o.maps, "maps to bake, a job each")->capture_default_str();
-  app.add_option("--nodes", o.nodes, "nodes, each for a task at a time")->capture_default_str();
-  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: with Slurm at a time")->capture_default_str();
-  app.add_option("--map-seconds", o.map_seconds, "of a bake, median")->capture_default_str();
+  app.add_option("--folder", o.folder, "folder for the ledger, on the disk to measure")->required();
+  app.add_option("-o,--output", o.json, "JSON file for the results")->required();
+  app.add_option("--maps", o.maps, "number of maps to bake, one job each")->capture_default_str();
+  app.add_option("--nodes", o.nodes, "number of nodes; each runs one task at a time")->capture_default_str();
+  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: most jobs with Slurm at a time")->capture_default_str();
+  app.add_option("--map-seconds", o.map_seconds, "median seconds per bake")->capture_default_str();
   app.add_option("--chunk-seconds", o.chunk_seconds, "[slurm] chunk_s")->capture_default_str();
-  app.add_option("--sbatch-seconds", o.sbatch_seconds, "of a submission")->capture_default_str();
-  app.add_option("--file-seconds", o.file_seconds, "of a look at a file of the shared folder")->capture_default_str();
-  app.add_option("--fail", o.fail_share, "share of attempts that fail and are worth trying again")
+  app.add_option("--sbatch-seconds", o.sbatch_seconds, "seconds per sbatch")->capture_default_str();
+  app.add_option("--file-seconds", o.file_seconds, "seconds per access to a file of the shared folder")
+      ->capture_default_str();
+  app.add_option("--fail", o.fail_share, "share of attempts that fail and may be tried again")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--refuse", o.refuse_share, "share of maps that cannot be baked")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--node-hours", o.node_hours, "hours between two failures of a node")->capture_default_str();
-  app.add_flag("--ask-for-each", o.asks_for_each, "looks ask for each file of each part, not for their folders' lists");
-  app.add_option("--seed", o.seed, "of what is drawn")->capture_default_str();
+  app.add_option("--node-hours", o.node_hours, "mean hours between two failures of a node")->capture_default_str();
+  app.add_flag("--ask-for-each", o.asks_for_each, "ask for each file of each part instead of listing folders");
+  app.add_option("--seed", o.seed, "seed of the random numbers")->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-decode: the child of multum and multum-view that reads images and meshes for them
-// (host/foundation/sandbox/decoding_child.h). It is no command: its requests come over a socket that it is given.
+// multum-decode: the child process in which multum and multum-view read images and meshes
+// (host/foundation/sandbox/decoding_child.h). Users do not run it: its requests come over an inherited socket.
 #include <cstdio>
 
 #include "host/formats/decoder/image_decoder.h"
@@ -39,7 +39,7 @@ int run(int, char**) {
     return answer_or_refusal([&] { return decoder.answer(request, memory); });
   });
   if (exit_code != 0)
-    std::fputs("multum-decode: multum and multum-view start it, to read files for them; by itself it does nothing\n",
+    std::fputs("multum-decode: found no request socket; multum and multum-view start this program to read files\n",
                stderr);
   return exit_code;
 }

@@ -9,11 +9,11 @@
 
 namespace multum {
 
-/// What of `from` and `to` changes at `t`, 0..1: linearly, but roughnesses and exponents by equal factors. Both scenes
-/// have the same kind of BRDF and as many lights.
+/// Interpolates what differs between `from` and `to`, at `t` in 0..1: linearly, but roughnesses and exponents by equal
+/// factors. Both scenes need the same kind of BRDF and the same number of lights.
 gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene& to, double t);
 
-/// FOLDER/frame_0000.png, ...: the options' picture or sheet of every frame. Returns a row for each, for the report.
+/// Writes FOLDER/frame_0000.png, ...: the options' picture or sheet for every frame. Returns a report row per frame.
 nlohmann::json draw_animation(const MapOptions& options, const ViewScenes& scenes, PictureDrawer& drawer);
 
 std::string frame_path(const AnimationOptions& options, int frame);

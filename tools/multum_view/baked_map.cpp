@@ -19,7 +19,7 @@ namespace multum {
 
 namespace {
 
-// What its texels are in memory. A row a representation.
+// Reads the levels of one representation into its type in memory. The table has one row per representation.
 struct LevelReader {
   Representation representation;
   BakedLevels (*read)(const std::string& path);
@@ -60,7 +60,7 @@ struct MaterialMaker {
   const gl::GlFunctions& gl;
   const ShadingOptions& options;
   const gl::NormalImage& source;
-  const LobeTexture* texture;  // null: lobes as the baked file has them
+  const LobeTexture* texture;  // null: lobes as stored in the baked file
 
   std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);
@@ -113,11 +113,11 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 
 namespace {
 
-// Tan's model is of one BRDF, and of lights that come from somewhere.
+// Tan's model supports one BRDF, and lights but no environment.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
-                                               "(--ndf vmf) or harmonics (--ndf sh)",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected this only with files of "
+                                               "lobes (--ndf vmf) or harmonics (--ndf sh)",
                                                file, found));
   };
   const BrdfFamily& family = family_of(brdf);
@@ -126,16 +126,17 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
   if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
 }
 
-// Maps with a BRDF's width in: brute force and the paper's formula know one BRDF.
+// A map baked with roughness holds the BRDF's width per texel; brute force and the paper's formula support only one
+// BRDF.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
-    throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");
+    throw Error(ErrorCode::kUsage, file + ": was baked with roughness (multum:roughness), found --brdf, expected none");
   if (!options.light.environment.empty() && compares)
     throw Error(ErrorCode::kUsage, file +
-                                       ": has its BRDF's width in, found --environment with --compare, "
-                                       "expected lights: brute force knows one BRDF");
+                                       ": was baked with roughness, found --environment with --compare, expected "
+                                       "lights: the reference supports only one BRDF there");
   if (options.shading.formula == gl::LobeFormula::kPaper)
-    throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in, found --formula paper, expected product");
+    throw Error(ErrorCode::kUsage, file + ": was baked with roughness, found --formula paper, expected product");
 }
 
 }  // namespace
@@ -145,7 +146,7 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   const ShadingOptions& shading = options.shading;
   if (scenes.basis.size() > 1 && scenes.basis.size() != static_cast<std::size_t>(baked.weight_count))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} weights, found {} of --brdf, expected one, or one a weight", file,
+                fmt::format("{}: holds {} weights, found {} times --brdf, expected one, or one per weight", file,
                             baked.weight_count, scenes.basis.size()));
   if (baked.has_roughness) check_options_of_roughness(file, options, compares);
   const RepresentationInfo& info = representation_info(baked.representation);
@@ -155,7 +156,8 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   };
   if (info.lobes == nullptr && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
   if (baked.has_colours && !shading.colour_map.empty())
-    throw Error(ErrorCode::kUsage, file + ": has colours, found --colour-map, expected one of them");
+    throw Error(ErrorCode::kUsage,
+                file + ": has colours of its own, found --colour-map too, expected only one of them");
   if (!info.takes_every_brdf) check_options_of_gaussians(file, options, scenes.first.brdf);
   if (!info.has_slopes && shading.moments) refuse("--moments", "files of moments");
   if (!info.has_kappa && shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper", "lobes");
@@ -172,7 +174,8 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
       representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
-  return "--environment: lean and lean-jacobian are the same as toksvig in its light, one lobe of the mean normal";
+  return "--environment: in its light, lean and lean-jacobian are drawn like toksvig, with one lobe around the mean "
+         "normal";
 }
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a baked file of any representation, makes what draws it, and checks the options that are for it alone. A new
-// representation is an alternative of BakedLevels and an overload where its visitors need one.
+// Reads a baked file of any representation, makes the material that draws it, and checks options that only some
+// representations support. A new representation needs an alternative in BakedLevels, and overloads for its visitors.
 #pragma once
 
 #include <memory>
@@ -20,32 +20,32 @@ namespace multum {
 using BakedLevels = std::variant<MovmfMipmap, MomentMipmap, ShMipmap>;  // lobes, moments, harmonics
 
 struct BakedMap {
-  BakedHeader header;  // as the file has it
+  BakedHeader header;  // as stored in the file
   BakedLevels levels;
-  std::optional<LobeTexture> texture = std::nullopt;  // what levels were unpacked from
+  std::optional<LobeTexture> texture = std::nullopt;  // the texture that the levels were unpacked from
 };
 
 BakedMap read_baked_map(const std::string& path);
-/// The levels that are stored, as if the map had no finer ones; the header stays.
+/// Keeps only the stored levels, as if the map had no finer ones. Does not change BakedMap::header.
 void keep_stored_levels(BakedMap& map);
 
-/// Level 0, which must be stored, as normals.
+/// Returns level 0, which must be stored, as normals.
 gl::NormalImage finest_normals(const BakedMap& map);
 
-/// Shaded as the options say. `source`: used where the file leaves levels to it.
+/// Makes a material that shades as the options say. `source` replaces levels that the file leaves out.
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
                                             const ShadingOptions& options, const gl::NormalImage& source);
 
-/// Throws Error(kUsage) naming `file`: an option is for files of another representation. `compares`: --compare is
+/// Throws Error(kUsage) naming `file` if an option is for files of another representation. `compares`: --compare is
 /// given.
 void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
                       const BakedHeader& baked);
 
-/// A line where moments and LEAN are drawn in an environment, which sees no more of them than of Toksvig's normals;
-/// else empty.
+/// Returns a note if moments or LEAN maps are drawn in an environment, which uses only their Toksvig normals; else
+/// returns an empty text.
 std::string environment_note(const MapOptions& options, const BakedHeader& baked);
 
-/// Of files of moments, when no option says it: the one of least error on most maps, by the bakes' own measurements
+/// The default for files of moments: the shading with the lowest error on most maps, as measured by the bakes
 /// (docs/contributing/ALGORITHMS.md, "Moments").
 constexpr gl::MomentShading kDefaultMomentShading = gl::MomentShading::kLeanJacobian;
 

@@ -27,7 +27,7 @@ void add_object_option(CLI::App& app, MapOptions& options) {
 }
 
 void add_scene_options(CLI::App& app, CommandOptions& o) {
-  app.add_option("plan", o.map.plan, "plan.json, which says how each object is drawn; options replace what it says")
+  app.add_option("plan", o.map.plan, "plan.json, which says how each object is drawn; options replace its settings")
       ->required();
   add_object_option(app, o.map);
   add_picture_option(app, o.map.picture.output)->required();
@@ -39,7 +39,7 @@ void add_scene_options(CLI::App& app, CommandOptions& o) {
 
 void add_animate_options(CLI::App& app, CommandOptions& o) {
   CLI::Option* const file = app.add_option("file", o.map.file, "baked map, *.ndf.exr");
-  app.add_option("--scene", o.map.plan, "plan.json of a scene, in the place of the file")->excludes(file);
+  app.add_option("--scene", o.map.plan, "plan.json of a scene, instead of the file")->excludes(file);
   add_object_option(app, o.map);
   app.add_option("-o,--output", o.map.animation.folder, "folder for frame_0000.png and so on")->required();
   add_animation_options(app, o.map.animation);
@@ -53,13 +53,15 @@ int run_animate(const CommandOptions& o) {
 }
 
 const ViewCommand kOwnCommands[] = {
-    {"scene", "Draw an object of a scene as `multum bake scene.toml` left it",
+    {"scene", "Draw an object of a scene that `multum bake scene.toml` made",
      "  multum-view scene out/plan.json --object wall -o wall.png", add_scene_options,
      [](const CommandOptions& o) { return draw_map(o.map); }},
-    {"animate", "Draw frames between two cameras, lights or BRDFs, evenly; exponents and roughnesses by equal factors",
+    {"animate",
+     "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
+     "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60",
      add_animate_options, run_animate},
-    {"pyramid", "Draw a surface coloured straight from a pyramid, looked up in several ways",
+    {"pyramid", "Draw a surface that takes its colours from a pyramid, with several kinds of lookup",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
      "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
      [](CLI::App& app, CommandOptions& o) { add_pyramid_options(app, o.pyramid); },
@@ -72,16 +74,16 @@ const ViewCommand kOwnCommands[] = {
      "  multum-view model ship.gltf --material hull=maps/1_hull.ndf.exr -o ship.png",
      [](CLI::App& app, CommandOptions& o) { add_model_options(app, o.model); },
      [](const CommandOptions& o) { return draw_model(o.model); }},
-    {"thumbnails", "Draw small pictures of a job's input and result, for the page of the service",
+    {"thumbnails", "Draw small pictures of a job's input and result, for the service's page",
      "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
-     "Writes render.png and, if the source is given and is still what was baked, input.png and error.png (four times\n"
-     "as bright); of a folder of `multum infer`, render.png.",
+     "Writes render.png and, if --source is the file that was baked, input.png and error.png (four times as bright).\n"
+     "For a folder of `multum infer`, writes render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
-    {"each", "Run several command lines in one process, which loads GL once",
+    {"each", "Run several command lines in one process, so that GL is loaded only once",
      "  multum-view each views.json\n\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
-     "The first command line that fails ends it, with its exit code.",
+     "If a command line fails, the run ends with its exit code.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
      [](const CommandOptions& o) { return run_each(o.each); }}};
 
@@ -89,7 +91,7 @@ const std::vector<ViewCommand>& view_commands() {
   static const std::vector<ViewCommand> commands = [] {
     std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
     const std::vector<ViewCommand> more = field_commands();
-    all.insert(all.begin() + 2, more.begin(), more.end());  // behind scene and animate
+    all.insert(all.begin() + 2, more.begin(), more.end());  // after scene and animate
     return all;
   }();
   return commands;
@@ -102,7 +104,7 @@ const char* const kDescription =
     "sheet.png\n"
     "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n"
-    "  multum-view scene out/plan.json --object wall -o wall.png             what multum bake scene.toml made\n"
+    "  multum-view scene out/plan.json --object wall -o wall.png             an object of multum bake scene.toml\n"
     "  multum-view sample out/ --at 3,5 -o frame.png                         textures of `multum infer`\n"
     "  multum-view play field.mpt --path 'view=0..7' --frames 90 -o frames/   frames along a path";
 
@@ -110,7 +112,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
   app.require_subcommand(0, 1);
   app.add_option("file", options.map.file,
-                 "baked map, *.ndf.exr, or its lobes as multum export --lobes stores them, *.ktx2");
+                 "baked map, *.ndf.exr, or its lobe textures of multum export --lobes, *.ktx2");
   add_picture_option(app, options.map.picture.output);
   add_pictures_option(app, options.map.picture.output);
   add_alone_option(app, options.map.picture.output);
@@ -124,7 +126,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   if (field_commands().empty()) add_absent_commands(app, {"sample", "play", "probe"}, "fields", "MULTUM_FIELDS");
 }
 
-/// For a word that names no file, in the place of a subcommand; else empty.
+/// Returns advice for a word that is in the place of a subcommand and names no file; else an empty text.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -137,7 +139,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// For an option that subcommands have and the program itself has not: which have it; else "".
+/// Names the subcommands that have an option which the program itself lacks; else returns "".
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));
@@ -145,8 +147,7 @@ std::string option_of_subcommands(const CLI::App& app) {
     for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
       if (name.starts_with("--") && command->get_option_no_throw(name) != nullptr)
         owners.push_back("'" + app.get_name() + " " + command->get_name() + "'");
-    if (!owners.empty())
-      return fmt::format("unknown option '{}', which is one of {}", name, fmt::join(owners, " and "));
+    if (!owners.empty()) return fmt::format("unknown option '{}'; it belongs to {}", name, fmt::join(owners, " and "));
   }
   return "";
 }
@@ -159,7 +160,7 @@ std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("{}: {}\nSee '{} --help'.\n", program, text, program);
 }
 
-/// The subcommand that runs; empty: a baked map is drawn. Options before a subcommand would be no part of it.
+/// Returns the subcommand that runs; empty: draw a baked map. Throws Error(kUsage) for options before a subcommand.
 std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
   if (app.get_subcommands().empty()) {
     if (options.map.file.empty()) throw CLI::RequiredError("file");
@@ -171,7 +172,7 @@ std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
     if (option->count() > 0)
       throw Error(
           ErrorCode::kUsage,
-          fmt::format("found {} before '{}', expected the options of a subcommand behind it",
+          fmt::format("found {} before '{}', expected options after the subcommand",
                       option->get_positional() ? options.map.file : "--" + option->get_lnames().front(), command));
   return command;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line of multum-view: its subcommands, and the options that stood for them before there were any.
+// The command line of multum-view: its subcommands, and the older options that the subcommands replaced.
 #pragma once
 
 namespace multum {
 
-/// Returns the program's exit code. Throws Error, as what it runs does.
+/// Returns the program's exit code. Throws Error if the command fails.
 int run_view_command(int argc, char** argv);
 
 }  // namespace multum

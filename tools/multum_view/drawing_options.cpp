@@ -27,13 +27,12 @@ CLI::Option* add_parsed_list(CLI::App& app, const std::string& option, std::vect
 }
 
 void add_environment_options(CLI::App& app, LightOptions& options) {
-  app.add_option(
-      "--environment", options.environment,
-      "light from everywhere, seen behind what is drawn: an image over latitude and longitude, .exr or .hdr");
+  app.add_option("--environment", options.environment,
+                 "environment light, also shown as the background: a latitude-longitude image, .exr or .hdr");
   app.add_option("--environment-turn", options.environment_turn,
-                 "turn the environment by so many degrees about what is up, counterclockwise as seen from there")
+                 "rotate the environment about the up axis by this many degrees, counterclockwise seen from above")
       ->check(number_in(-3600.0f, 3600.0f));
-  app.add_flag("--no-background", options.no_background, "draw black behind the surface, not the environment");
+  app.add_flag("--no-background", options.no_background, "draw black behind the surface instead of the environment");
   add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
              "highlights of the environment: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for "
              "broad BRDFs)")
@@ -42,39 +41,38 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
 
 void add_shading_options(CLI::App& app, ShadingOptions& options) {
   add_choice(app, "--formula", options.formula, kLobeFormulas,
-             "combine lobe and BRDF by product (of mean cosines) or paper (Han 2007, eq. 20)");
+             "how to combine lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)");
   app.add_flag("--shade-first", options.shade_first,
-               "shade the lobes of all eight texels of a trilinear footprint, then mix: what lobes of --unaligned "
-               "bakes need, slow");
+               "shade the lobes of all eight texels of a trilinear footprint, then mix; slow, and needed for bakes "
+               "with --unaligned");
   add_choice(app, "--surface", options.surface, kMapSurfaces,
-             "where lobes of level 0 are magnified, show the light of the texels around, or the normal map's "
-             "interpolated surface, as engines do: texels or interpolated")
-      ->default_str("as --reference-texels has it, else texels");
+             "where lobes of level 0 are magnified, blend the light of the nearest texels (texels), or show the normal "
+             "map's interpolated surface as engines do (interpolated)")
+      ->default_str("as in --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
              "shade a file of moments by toksvig, lean or lean-jacobian (default: lean-jacobian)");
   app.add_option("--colour-map", options.colour_map,
-                 "colours for a file of lobes that has none: a pyramid of multum mip, as a scene's bake leaves it");
+                 "colours for a file of lobes without colours: a pyramid of multum mip, such as a scene's bake writes");
 }
 
 void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const taps =
       app.add_option("--taps", options.filter.taps,
-                     "trilinear lookups of every texture along a pixel's longer axis, at most; 1: none but one")
+                     "most trilinear lookups of every texture along a pixel's longer axis; 1: a single lookup")
           ->check(CLI::Range(1, kTapCountMax))
           ->capture_default_str();
   CLI::Option* const bias =
-      add_level_bias_option(app, options.level_bias, "added to the mip level that is looked up: below 0 is sharper")
+      add_level_bias_option(app, options.level_bias, "number added to the mip level of each lookup; below 0 is sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
-  CLI::Option* const shade =
-      app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
-                   "shade each of --taps by itself, then average; --no-shade-taps: average what they return, then "
-                   "shade once (default)");
+  CLI::Option* const shade = app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
+                                          "shade each of the --taps lookups, then average; --no-shade-taps: average "
+                                          "the lookups, then shade once (default)");
   CLI::Option* const evaluations =
       app.add_option_function<int>(
              "--evaluations", [&options](const int& count) { options.evaluations = count; },
-             "evaluations of the map's light per pixel, 1, 2, 4, 8 or 16: of points where normals are alike, else of "
-             "lobes; 0: each lobe once, wherever (default: as many as lobes, or a power of two above; 0 with "
-             "--shade-taps, --shade-first, --formula paper and files without lobes of vMF)")
+             "shading evaluations per pixel, 1, 2, 4, 8 or 16: at points where normals are similar, else of lobes; 0: "
+             "each lobe once (default: the number of lobes, rounded up to a power of two; 0 with --shade-taps, "
+             "--shade-first, --formula paper and files without vMF lobes)")
           ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
   app.add_option_function<float>(
@@ -83,7 +81,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
            options.anisotropy = anisotropy;
            options.filter.is_drivers = true;
          },
-         "leave filtering to the driver, with this anisotropy; drivers differ")
+         "let the driver filter, with this anisotropy; drivers differ")
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)
@@ -95,64 +93,64 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
 
 void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--mesh", options.mesh,
-                 "OBJ, glTF or GLB to put the map on (default: a plane z = 0 that runs to the "
-                 "horizon: x from -30 to 30, y from 0 to 60)");
+                 "OBJ, glTF or GLB that gets the map (default: a plane z = 0 that reaches the horizon: x from -30 to "
+                 "30, y from 0 to 60)");
 }
 
 void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--repeat", options.repeat,
-                 "how often the map repeats across the plane or uv unit (default: 60, mesh 1)")
+                 "repeats of the map across the plane or uv unit (default: 60; 1 with a mesh)")
       ->check(number_in(1e-6f, 1e6f));
 }
 
 void add_camera_options(CLI::App& app, CameraOptions& options) {
   add_parsed(app, "--camera", options.place, parse_camera,
-             "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: the "
-             "plane from 0,0,0.3 to 0,1,-0.0939; the whole mesh)");
+             "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939 for the plane; a "
+             "view of the whole mesh)");
   add_parsed(app, "--up", options.up, parse_up,
-             "direction that is up in the picture, x,y,z (default: 0,0,1; with a mesh 0,1,0)");
+             "up direction of the picture, x,y,z (default: 0,0,1; with a mesh 0,1,0)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {
   add_parsed(app, "--distance", options.distances, parse_distances,
-             "draw the mesh from near and far, a list of factors of the camera's distance; 1,5,25 writes "
-             "NAME_1.png, NAME_5.png and NAME_25.png for -o NAME.png");
+             "draw the mesh from several distances, a list of factors of the camera's distance; 1,5,25 with -o "
+             "NAME.png writes NAME_1.png, NAME_5.png and NAME_25.png");
 }
 
 void add_light_options(CLI::App& app, LightOptions& options) {
   add_parsed_list(app, "--light", options.distant, parse_light,
                   "direction towards a distant light: x,y,z[,irradiance]; up to 8 times");
   add_parsed_list(app, "--point-light", options.points, parse_point_light,
-                  "place and intensity of a point light: x,y,z,i or x,y,z,r,g,b; up to 8 times");
+                  "position and intensity of a point light: x,y,z,i or x,y,z,r,g,b; up to 8 times");
 }
 
 void add_material_options(CLI::App& app, MaterialOptions& options) {
   using CLI::MultiOptionPolicy;
-  app.add_option(
-         "--brdf", options.brdfs,
-         brdf_forms("", true) +
-             ", or the file of a measured one (.brdf text, .binary of MERL, .json of a fit); several times: basis "
-             "BRDFs, which the file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
+  app.add_option("--brdf", options.brdfs,
+                 brdf_forms("", true) +
+                     ", or the file of a measured BRDF (.brdf text, .binary of MERL, .json of a fit); several times: "
+                     "basis BRDFs that the file's weights blend; a file baked with roughness has its own BRDF "
+                     "(default: blinn-phong:100)")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "vMF densities that measured facets are a sum of over lobes, and under an environment all facets that "
-                 "one is not near: more is nearer and slower")
+                 "number of vMF densities that approximate measured facets over lobes and, under an environment, all "
+                 "facets that one density fits badly; more is more accurate and slower")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
-  add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,
-                  "diffuse reflectance, grey or r,g,b (default: 0.5, or what was measured); several times: one for "
-                  "each --brdf")
+  add_parsed_list(
+      app, "--diffuse", options.diffuse, parse_colour,
+      "diffuse reflectance, grey or r,g,b (default: 0.5, or the measured one); several times: one for each --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed_list(app, "--specular", options.specular, parse_colour,
-                  "specular factor, grey or r,g,b (default: 0.1; 1 where Fresnel or a measurement is in it); several "
+                  "specular factor, grey or r,g,b (default: 0.1; 1 if the BRDF has Fresnel or is measured); several "
                   "times: one for each --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
-             "replace the BRDF's Fresnel term at every angle by this number, grey or r,g,b, as a scene's plan may; "
-             "its code is left out");
+             "replace the BRDF's Fresnel term at every angle by this number, grey or r,g,b; a scene's plan may set it "
+             "too. The shader then leaves out the term's code");
 }
 
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of pictures, a struct for each subject, and the functions that add them to a command line. Every option
-// that a scene's plan may state too is unset, or empty, until it is given (scene_plan.h).
+// The options of pictures: a struct for each subject, and functions that add them to a command line. An option that a
+// scene's plan may also set stays unset or empty until it is given (scene_plan.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,47 +15,47 @@ namespace multum {
 
 struct SurfaceOptions {
   std::string mesh;             // empty: the plane
-  std::optional<float> repeat;  // of the map; unset: 60 across the plane, 1 on a mesh
+  std::optional<float> repeat;  // repeats of the map; unset: 60 across the plane, 1 on a mesh
 };
 
 struct CameraOptions {
-  std::optional<CameraPlace> place;  // unset: over the plane; seeing the whole mesh
+  std::optional<CameraPlace> place;  // unset: above the plane, or where the whole mesh is visible
   std::optional<glm::vec3> up;       // unit; unset: +Z over the plane, +Y with a mesh
-  std::vector<float> distances;      // of pictures, times the camera's own; empty: one picture from there
+  std::vector<float> distances;      // one picture each, as factors of the camera's own distance; empty: one picture
 };
 
 struct LightOptions {
-  std::vector<gl::Light> distant;  // no light of any kind: the usual one
+  std::vector<gl::Light> distant;  // without any light: the default light
   std::vector<gl::PointLight> points;
-  std::string environment;                              // over latitude and longitude; empty: none
+  std::string environment;                              // latitude-longitude image; empty: none
   std::optional<gl::EnvironmentMode> environment_mode;  // unset: prefiltered
-  std::optional<float> environment_turn;                // degrees about what is up; unset: 0
-  bool no_background = false;                           // black where nothing stands, not the environment
+  std::optional<float> environment_turn;                // degrees about the up axis; unset: 0
+  bool no_background = false;                           // black behind the surface instead of the environment
 };
 
 struct MaterialOptions {
-  std::vector<std::string> brdfs;  // as parse_brdf() takes them; several: blended by the map's weights
+  std::vector<std::string> brdfs;  // in the form that parse_brdf() accepts; several: blended by the map's weights
   int term_count = Brdf{}.term_count;
-  std::vector<glm::vec3> diffuse, specular;  // one for all BRDFs, or one each; empty: the BRDF's own
+  std::vector<glm::vec3> diffuse, specular;  // one for all BRDFs, or one each; empty: the BRDF's own colours
   std::optional<glm::vec3> fixed_fresnel;
 };
 
 struct ShadingOptions {
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
-  bool shade_first = false;                  // lobes are shaded before they are filtered
-  std::optional<MapSurface> surface;         // between texels of lobes of level 0; unset: as the reference has it
-  std::optional<gl::MomentShading> moments;  // of files of moments; unset: kDefaultMomentShading
-  std::string colour_map;                    // a pyramid of multum mip: the colours of all lobes; empty: the file's own
-  gl::TextureFilter filter;                  // of every mip-mapped texture; its bias and evaluations are below
-  std::optional<int> evaluations;            // of a pixel's light, 0 to 16; unset: kEvaluationsOfLobes
-  std::optional<float> level_bias;           // unset: kLevelBiasDefault; -16..16
-  float anisotropy = 1.0f;                   // of the driver's filter; 1..16
+  bool shade_first = false;                  // shades lobes before filtering them
+  std::optional<MapSurface> surface;         // between lobe texels of level 0; unset: as in the reference
+  std::optional<gl::MomentShading> moments;  // for files of moments; unset: kDefaultMomentShading
+  std::string colour_map;           // pyramid of multum mip that colours all lobes; empty: the file's own colours
+  gl::TextureFilter filter;         // for every mip-mapped texture; its bias and evaluations are set below
+  std::optional<int> evaluations;   // shading evaluations per pixel, 0 to 16; unset: kEvaluationsOfLobes
+  std::optional<float> level_bias;  // unset: kLevelBiasDefault; -16..16
+  float anisotropy = 1.0f;          // of the driver's filter; 1..16
 };
 
 struct OutputOptions {
   std::string path;                 // *.png, *.exr
-  bool is_alone = false;            // `path` shows the baked map, and not what it is compared with
-  std::string pictures;             // PREFIX of a file for each picture; empty: none
+  bool is_alone = false;            // `path` shows only the baked map, without the compared pictures
+  std::string pictures;             // PREFIX of one file per picture; empty: none
   std::string report;               // JSON; empty: none
   std::optional<PictureSize> size;  // unset: 640 x 480
   float exposure = 1.0f;            // PNG only
@@ -64,7 +64,7 @@ struct OutputOptions {
   int height() const { return size.value_or(PictureSize{}).height; }
 };
 
-/// What baked maps, models and surfaces of a level of detail have in common.
+/// The options that are common to baked maps, models and surfaces of a level of detail.
 struct PictureOptions {
   SurfaceOptions surface;
   CameraOptions camera;
@@ -77,21 +77,21 @@ struct PictureOptions {
 
 void add_mesh_option(CLI::App& app, SurfaceOptions& options);
 void add_repeat_option(CLI::App& app, SurfaceOptions& options);
-/// --camera, --up.
+/// Adds --camera and --up.
 void add_camera_options(CLI::App& app, CameraOptions& options);
 void add_distance_option(CLI::App& app, CameraOptions& options);
-/// --light, --point-light.
+/// Adds --light and --point-light.
 void add_light_options(CLI::App& app, LightOptions& options);
-/// --brdf, --diffuse, ...
+/// Adds --brdf, --diffuse, ...
 void add_material_options(CLI::App& app, MaterialOptions& options);
-/// -o for a picture.
+/// Adds -o for a picture.
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options);
-/// --report, --size, --exposure.
+/// Adds --report, --size and --exposure.
 void add_output_options(CLI::App& app, OutputOptions& options);
-/// --level-bias.
+/// Adds --level-bias.
 CLI::Option* add_level_bias_option(CLI::App& app, std::optional<float>& bias, const std::string& help);
 void add_context_option(CLI::App& app, gl::ContextBackend& context);
-/// Adds what every drawn baked map has: lights, an environment, materials, ways to shade, outputs but -o, the GL.
+/// Adds the options of every drawn baked map: lights, environment, materials, shading, outputs except -o, GL.
 void add_rendering_options(CLI::App& app, PictureOptions& options);
 
 }  // namespace multum

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// Made beforehand: after a fault nothing may be allocated.
+// The message is made in advance: after a fault nothing may be allocated.
 std::array<char, 300> g_message;
 size_t g_message_size = 0;
 
@@ -29,11 +29,10 @@ void on_fault(int) {
 void explain_driver_faults() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  const auto end = fmt::format_to_n(
-      g_message.data(), g_message.size(),
-      "multum-view: the OpenGL driver failed, most likely for lack of memory: this process may take {} MiB, expected "
-      "more; set a higher limit (ulimit -v)\n",
-      limit.rlim_cur >> 20);
+  const auto end = fmt::format_to_n(g_message.data(), g_message.size(),
+                                    "multum-view: the OpenGL driver failed, most likely for lack of memory: this "
+                                    "process is limited to {} MiB, expected more. Set a higher limit (ulimit -v)\n",
+                                    limit.rlim_cur >> 20);
   g_message_size = std::min(end.size, g_message.size());
   struct sigaction action = {};
   action.sa_handler = on_fault;

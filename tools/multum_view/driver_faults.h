@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenGL drivers do not survive a lack of memory: Mesa's end the program by a signal. So that its user is told why.
+// Explains crashes of OpenGL drivers to the user. Drivers do not survive a lack of memory: Mesa's drivers end the
+// program by a signal.
 #pragma once
 
 namespace multum {
 
-/// From here on, where this process may take only so much memory (ulimit -v), a fault or an abort ends it with an error
-/// that names the limit and with the exit code of kEnvironment. Without such a limit nothing is changed.
+/// Installs signal handlers if this process has a memory limit (ulimit -v). A later fault or abort then prints an error
+/// that names the limit, and exits with the code of kEnvironment. Without such a limit nothing changes.
 void explain_driver_faults();
 
 }  // namespace multum

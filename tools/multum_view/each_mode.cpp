@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view each: several command lines in one process. A GL driver takes tens of milliseconds to load, and a picture
-// of a small map takes less to draw.
+// multum-view each: runs several command lines in one process. Loading a GL driver takes tens of milliseconds, more
+// than drawing a picture of a small map.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps a reference picture for later runs, which compare other bakes of the same map with it (--keep-reference): to
-// draw it takes longer than all else that a comparison does. A file of this program's own, in the machine's byte order.
+// Keeps a reference picture for later runs that compare other bakes of the same map with it (--keep-reference). Drawing
+// the reference takes longer than the rest of a comparison. The file is private to this program, in native byte order.
 //
 //   "MTREF001"  width, height, samples: int32   noise, frame_time_ms: double   width * height * RGBA: float
 #pragma once
@@ -11,13 +11,13 @@
 
 namespace multum {
 
-/// Is a file there? Not whether it can be used.
+/// Returns whether a file exists at `path`. The file may still be unusable.
 bool has_kept_reference(const std::string& path);
 
-/// Throws Error(kInput) for a file that write_kept_reference() did not write, or not of this size.
+/// Throws Error(kInput) if write_kept_reference() did not write the file, or if the file has another size.
 gl::Picture read_kept_reference(const std::string& path, int width, int height);
 
-/// Throws Error(kEnvironment).
+/// Throws Error(kEnvironment) if the file cannot be written.
 void write_kept_reference(const std::string& path, const gl::Picture& reference);
 
 }  // namespace multum

@@ -14,7 +14,7 @@ int draw_map(MapOptions options) {
   check_map_options(options);
   if (!options.picture.shading.surface && options.comparison.reference == gl::NormalMaterial::Sampling::kInterpolated)
     options.picture.shading.surface = MapSurface::kInterpolated;
-  // Points of a pixel look at other texels than its filter.
+  // Several evaluation points per pixel would read other texels than the pixel's filter does.
   if (!options.picture.shading.evaluations && options.comparison.is_of_texels())
     options.picture.shading.evaluations = 0;
   const PictureOptions& picture = options.picture;

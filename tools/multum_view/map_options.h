@@ -10,35 +10,35 @@
 
 namespace multum {
 
-/// What the file was baked from, for the reference, the baselines and levels that it does not hold.
+/// The inputs of the bake, for the reference, the baselines and levels that the file does not hold.
 struct SourceOptions {
   std::string normals;                         // empty: level 0 of the file
-  std::string albedo;                          // used where `normals` is, as the next three
+  std::string albedo;                          // used together with `normals`, as are the next three
   std::string roughness;                       // FILE or FILE:CHANNEL
-  std::string gloss;                           // in its place: roughness = 1 - gloss
-  std::string weights;                         // of basis BRDFs
-  ParameterValues reading{bake_parameters()};  // how to read `normals`, where it is not read as the bake read it
+  std::string gloss;                           // replaces roughness: roughness = 1 - gloss
+  std::string weights;                         // blend weights of basis BRDFs
+  ParameterValues reading{bake_parameters()};  // settings for reading `normals` that differ from the bake's settings
 };
 
 struct ComparisonOptions {
-  std::vector<std::string> pictures;  // as parse_compared() gives them
+  std::vector<std::string> pictures;  // as parse_compared() returns them
   gl::ReferenceSampling sampling;
-  std::string kept_reference;  // a file; empty: the reference is drawn anew
+  std::string kept_reference;  // a file; empty: the reference is always drawn
   gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --reference-of texels
 
   bool is_of_texels() const { return reference == gl::NormalMaterial::Sampling::kFootprint; }
 };
 
 struct AnimationOptions {
-  std::string folder;  // of the frames; empty: one picture
+  std::string folder;  // for the frames; empty: one picture
   int frame_count = 24;
-  // Of the last frame; unset or empty: as the first.
+  // Settings of the last frame. Unset or empty: the same as in the first frame.
   std::optional<CameraPlace> camera;
   std::string brdf;
   std::optional<glm::vec3> diffuse, specular;
   std::vector<gl::Light> lights;
   std::vector<gl::PointLight> point_lights;
-  std::string environment;  // of the size of the first frame's
+  std::string environment;  // of the same size as the first frame's environment
   std::optional<float> environment_turn;
 
   bool changes_anything() const {
@@ -49,26 +49,26 @@ struct AnimationOptions {
 
 struct MapOptions {
   std::string file;          // *.ndf.exr
-  std::string plan, object;  // of a scene, in the place of `file`: plan.json, and which of its objects
-  bool stored_only = false;  // levels finer than those that the file holds are never seen: no source for them
+  std::string plan, object;  // of a scene, instead of `file`: plan.json, and the name of an object
+  bool stored_only = false;  // never draws levels finer than the stored ones, so no source is needed
   PictureOptions picture;
   SourceOptions source;
   ComparisonOptions comparison;
   AnimationOptions animation;
-  std::string brdf_roughness;  // of GGX, FILE or FILE:CHANNEL, times its own; empty: none
-  std::string shaders;         // JSON of the variants that were drawn with; empty: none
+  std::string brdf_roughness;  // FILE or FILE:CHANNEL that scales GGX's own roughness; empty: none
+  std::string shaders;         // JSON file of the shader variants that were used; empty: none
 };
 
-/// All but the map itself, where pictures go, and what changes from frame to frame.
+/// Adds all options except the map itself, output paths, and changes from frame to frame.
 void add_map_options(CLI::App& app, MapOptions& options);
-/// --pictures: each picture of a sheet in a file of its own.
+/// Adds --pictures, which writes each picture of a sheet to its own file.
 void add_pictures_option(CLI::App& app, OutputOptions& options);
-/// --alone, of what is drawn without animate.
+/// Adds --alone, for drawing without animate.
 void add_alone_option(CLI::App& app, OutputOptions& options);
-/// --frames, --to-camera, ...
+/// Adds --frames, --to-camera, ...
 void add_animation_options(CLI::App& app, AnimationOptions& options);
 
-/// Throws Error(kUsage) for options that do not go together, whatever the map holds.
+/// Throws Error(kUsage) for options that exclude each other for every map.
 void check_map_options(const MapOptions& options);
 
 /// Draws a baked map: one picture, a sheet, or frames.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the subcommands of multum-view besides drawing baked maps (map_options.h): for each its options, a function
-// that adds them to its command line, and one that runs it and returns the exit code.
+// Declares the subcommands of multum-view except those that draw baked maps (map_options.h). Each has its options, a
+// function that adds them to its command line, and a function that runs it and returns the exit code.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@ namespace multum {
 struct ProbeOptions {
   std::string request;  // JSON (host/fields/inferred/probe_request.h)
   gl::ContextBackend context = gl::ContextBackend::kAuto;
-  int threads = 0;  // of decoding; 0: all cores
+  int threads = 0;  // threads for decoding; 0: all cores
   bool matrix_market = false;
 };
 void add_probe_options(CLI::App& app, ProbeOptions& options);
@@ -25,7 +25,7 @@ void add_probe_options(CLI::App& app, ProbeOptions& options);
 int measure_filter_matrices(const ProbeOptions& options);
 
 struct SampleOptions {
-  std::string folder;                // what multum infer wrote, or its inferred.json
+  std::string folder;                // output folder of multum infer, or its inferred.json
   std::vector<std::string> samples;  // "3,5", or a name
   std::vector<std::string> outputs;  // one each
   gl::ContextBackend context = gl::ContextBackend::kAuto;
@@ -36,19 +36,19 @@ void add_sample_options(CLI::App& app, SampleOptions& options);
 int draw_samples(const SampleOptions& options);
 
 struct PlayOptions {
-  std::string file;  // of multum pack
-  std::string path;  // host/fields/playback/parameter_path.h, or a file, host/fields/playback/recorded_path.h
+  std::string file;  // output of multum pack
+  std::string path;  // a path (host/fields/playback/parameter_path.h) or a file (host/fields/playback/recorded_path.h)
   std::string folder;
-  int frame_count = 0;    // 0: 24, or all of a recorded path
+  int frame_count = 0;    // 0: 24, or all frames of a recorded path
   float rate = 30.0f;     // frames a second
-  int supersampling = 0;  // sub-pixels along each side of a pixel; 0: the field's
+  int supersampling = 0;  // sub-pixels along each side of a pixel; 0: the field's own setting
   bool is_linear = false;
-  bool is_cold = false;              // forgets all before each frame
-  bool draws_what_is_there = false;  // else waits for all that a frame needs
+  bool is_cold = false;              // forgets all decoded data before each frame
+  bool draws_what_is_there = false;  // else waits for all data of the frame
   int ahead = 8;                     // frames
   std::string memory = "256M", upload = "16M";
   float lifetime = 20.0f, lifetime_factor = 4.0f;
-  int threads = 0;            // of decoding; 0: all cores
+  int threads = 0;            // threads for decoding; 0: all cores
   std::string debug_picture;  // empty: none
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   float exposure = 1.0f;
@@ -58,49 +58,50 @@ void add_play_options(CLI::App& app, PlayOptions& options);
 int play_field(const PlayOptions& options);
 
 struct ThumbnailOptions {
-  std::string result;  // *.ndf.exr, or what multum infer wrote
+  std::string result;  // *.ndf.exr, or an output folder of multum infer
   std::string folder;
-  std::string source, albedo;  // what was baked; empty: only the result is shown
+  std::string source, albedo;  // inputs of the bake; empty: only the result is shown
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options);
-/// Draws small pictures of a job's input and result, for the page of the service.
+/// Draws small pictures of a job's input and result for the service's page.
 int draw_thumbnails(const ThumbnailOptions& options);
-constexpr int kThumbnailSide = 512;  // of the input's, at most
-/// The same for a folder of multum infer: a frame of the first sample, as multum-view sample draws it. Throws
-/// Error(kUsage) in a build without fields.
+constexpr int kThumbnailSide = 512;  // largest side of the input's picture
+/// Draws a thumbnail of an output folder of multum infer: a frame of the first sample, drawn as multum-view sample
+/// does.
+/// Throws Error(kUsage) in a build without fields.
 void draw_field_thumbnail(const ThumbnailOptions& options);
 
 struct EachOptions {
-  std::string file;  // JSON: command lines
+  std::string file;  // JSON list of command lines
 };
 void add_each_options(CLI::App& app, EachOptions& options);
-/// Runs command lines one after another, up to the first that fails.
+/// Runs command lines one after another, until one fails.
 int run_each(const EachOptions& options);
 
 struct PyramidOptions {
   std::string file;
-  std::optional<PyramidKind> expected;  // of the file; unset: colours or reflected light
+  std::optional<PyramidKind> expected;  // kind of the file; unset: colours or reflected light
   SurfaceOptions surface;
-  std::string surface_pyramid;  // in the place of surface.mesh, at `detail` but for the reference; empty: none
+  std::string surface_pyramid;  // replaces surface.mesh, at `detail` except in the reference; empty: none
   DetailOptions detail;
   CameraOptions camera;
   OutputOptions output;
   std::vector<std::string> lookups = {"level"};  // reference, nearest, bilinear, level, driver
-  std::optional<float> level_bias;               // unset: 0 for colours, the pixel's own width for reflected light
-  int shifts = 0;                                // pictures that flicker is measured on; 0: it is not
-  int samples = 256;                             // of the reference, per pixel
+  std::optional<float> level_bias;               // unset: 0 for colours; for reflected light, the pixel's width
+  int shifts = 0;                                // number of pictures that flicker is measured on; 0: not measured
+  int samples = 256;                             // reference samples per pixel
   float anisotropy = 1.0f;
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_pyramid_options(CLI::App& app, PyramidOptions& options);
-/// Draws a surface coloured straight from a pyramid.
+/// Draws a surface that takes its colours directly from a pyramid.
 int draw_pyramid(const PyramidOptions& options);
 
 struct LodOptions {
   std::string file;
   DetailOptions detail;
-  std::optional<int> patch_steps;  // cells along a side of a bicubic patch; unset: points are corners of triangles
+  std::optional<int> patch_steps;  // cells along a side of a bicubic patch; unset: the points are triangle corners
   PictureOptions picture;
 };
 void add_lod_options(CLI::App& app, LodOptions& options);
@@ -112,7 +113,7 @@ struct ModelOptions {
   std::vector<std::string> materials;  // NAME=FILE.ndf.exr
 };
 void add_model_options(CLI::App& app, ModelOptions& options);
-/// Draws a model with its own materials, each with a map baked for it.
+/// Draws a model with its own materials; a map may be baked for each.
 int draw_model(const ModelOptions& options);
 
 }  // namespace multum

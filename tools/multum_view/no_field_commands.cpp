@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the place of fields/field_commands.cpp where fields are not built.
+// Replaces fields/field_commands.cpp in builds without fields.
 #include "host/foundation/base/error.h"
 #include "tools/multum_view/view_commands.h"
 
@@ -9,7 +9,7 @@ std::vector<ViewCommand> field_commands() { return {}; }
 
 void draw_field_thumbnail(const ThumbnailOptions& options) {
   throw Error(ErrorCode::kUsage, options.result +
-                                     ": a folder; expected a baked file: this multum-view was built without fields "
+                                     ": is a folder, expected a baked file: this multum-view was built without fields "
                                      "(CMake option MULTUM_FIELDS)");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses the values of multum-view's options, which command lines and plans of scenes write alike. Each function throws
-// Error(kUsage) that names `option`, what was found and what was expected.
+// Parses the values of multum-view's options, which command lines and scene plans write alike. Each function throws
+// Error(kUsage), which names `option`, the value found and the value expected.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,7 +21,7 @@ namespace multum {
 
 struct CameraPlace {
   glm::vec3 eye, target;
-  std::optional<float> fov_y_degrees;  // 1..170; unset: as it was
+  std::optional<float> fov_y_degrees;  // 1..170; unset: unchanged
 };
 
 struct PictureSize {
@@ -42,17 +42,17 @@ glm::vec3 parse_colour(const std::string& option, const std::string& text);
 gl::Light parse_light(const std::string& option, const std::string& text);
 gl::PointLight parse_point_light(const std::string& option, const std::string& text);
 CameraPlace parse_camera(const std::string& option, const std::string& text);
-/// Unit.
+/// Returns a unit vector.
 glm::vec3 parse_up(const std::string& option, const std::string& text);
 PictureSize parse_size(const std::string& option, const std::string& text);
-/// Factors of a camera's distance, each once: files are named after them.
+/// Parses factors of a camera's distance, each at most once because files are named after them.
 std::vector<float> parse_distances(const std::string& option, const std::string& text);
-/// What --compare draws, each once: two pictures of one name would share a file.
+/// Parses the pictures that --compare draws, each at most once: two pictures of one name would share a file.
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text);
-/// Lookups of a pyramid, each once, the reference first: the others are compared with it.
+/// Parses lookups of a pyramid, each at most once. The reference comes first: the others are compared with it.
 std::vector<std::string> parse_lookups(const std::string& option, const std::string& text);
 
-/// A range check that refuses "nan", which CLI11's own lets pass.
+/// A range check that refuses "nan", which CLI11's own check accepts.
 CLI::Validator number_in(float low, float high);
 
 }  // namespace multum

@@ -32,7 +32,7 @@ const Json& object_named(const Json& plan, const std::string& path, const std::s
   return objects[static_cast<std::size_t>(found - names.begin())];
 }
 
-/// An object's "view", as options that are set where nothing was given.
+/// Reads an object's "view" into options that the command line left unset.
 class PlanView {
  public:
   PlanView(const Json& view, fs::path folder) : view_(view), folder_(std::move(folder)) {}
@@ -68,7 +68,7 @@ class PlanView {
   void apply_repeat(SurfaceOptions& surface) const {
     const auto repeat = view_.at("repeat").get<float>();
     if (!(repeat >= 1e-6f && repeat <= 1e6f))
-      throw Error(ErrorCode::kInput, fmt::format("repeat of a plan is {:g}, expected 1e-06 to 1e+06", repeat));
+      throw Error(ErrorCode::kInput, fmt::format("found the repeat {:g}, expected 1e-06 to 1e+06", repeat));
     if (!surface.repeat) surface.repeat = repeat;
   }
   void apply_source(SourceOptions& source) const {
@@ -105,15 +105,14 @@ class PlanView {
 void apply_scene_plan(MapOptions& options) {
   const std::string& path = options.plan;
   const std::optional<std::string> text = json_of_file(path, StandardInput::kAllowed);
-  if (!text)
-    throw Error(ErrorCode::kInput, path + ": no such file, expected plan.json as multum bake scene.toml writes it");
+  if (!text) throw Error(ErrorCode::kInput, path + ": no such file, expected a plan.json of multum bake scene.toml");
   const Json plan = Json::parse(*text, nullptr, false);
   if (!plan.is_object() || !plan.contains("objects"))
-    throw Error(ErrorCode::kInput, path + ": is no plan, expected plan.json as multum bake scene.toml writes it");
+    throw Error(ErrorCode::kInput, path + ": is not a plan, expected a plan.json of multum bake scene.toml");
   try {
     PlanView(object_named(plan, path, options.object).at("view"), fs::path(path).parent_path()).apply(options);
   } catch (const Json::exception& error) {
-    throw Error(ErrorCode::kInput, fmt::format("{}: is no plan that can be drawn: {}", path, error.what()));
+    throw Error(ErrorCode::kInput, fmt::format("{}: this plan cannot be drawn: {}", path, error.what()));
   }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads how an object of a scene is drawn out of plan.json, as `multum bake scene.toml` writes it.
+// Reads from plan.json, which `multum bake scene.toml` writes, how an object of a scene is drawn.
 #pragma once
 
 #include "tools/multum_view/map_options.h"
 
 namespace multum {
 
-/// Sets what the plan says of options.object (empty: its only one) wherever the options leave it unset. Throws
-/// Error(kInput) for a file that is no plan, Error(kUsage) for an object that it does not have.
+/// Sets unset options from the plan's entry for options.object (empty: the plan's only object). Throws Error(kInput) if
+/// the file is not a plan, Error(kUsage) if the plan lacks the object.
 void apply_scene_plan(MapOptions& options);
 
 }  // namespace multum

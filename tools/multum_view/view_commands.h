@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of multum-view: a row each, and the options that they fill in.
+// The subcommands of multum-view, one row each, and the options that they fill in.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace multum {
 
 struct CommandOptions {
-  MapOptions map;  // of no subcommand, scene and animate
+  MapOptions map;  // for no subcommand, scene and animate
   SampleOptions sample;
   PlayOptions play;
   ProbeOptions probe;
@@ -28,7 +28,7 @@ struct ViewCommand {
   int (*run)(const CommandOptions&);
 };
 
-/// Those of fields: sample, play, probe; none in a build without fields (CMake option MULTUM_FIELDS).
+/// Returns the subcommands of fields: sample, play, probe. A build without fields (MULTUM_FIELDS) returns none.
 std::vector<ViewCommand> field_commands();
 
 }  // namespace multum

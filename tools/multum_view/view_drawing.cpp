@@ -19,7 +19,7 @@ namespace {
 
 struct ComparedMethod {
   gl::Baseline baseline;
-  bool has_points;  // shaded at as many points as the map takes evaluations
+  bool has_points;  // shaded at as many points as the baked map needs evaluations
 };
 
 ComparedMethod method_of(const std::string& name) {
@@ -34,7 +34,7 @@ ComparedMethod method_of(const std::string& name) {
           has_points};
 }
 
-// No fewer than the map takes.
+// At least as many evaluations as the baked map needs.
 int evaluations_of(const gl::TextureFilter& filter, int lobe_count) {
   if (filter.evaluations > 0) return filter.evaluations;
   return gl::evaluations_of_lobes(lobe_count * (filter.shades_taps ? filter.taps : 1));
@@ -47,7 +47,7 @@ int lobe_count_of(const BakedMap& map) {
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
-// Basis BRDFs one after another, each times its weight: what a surface reflects is their sum, whatever they are.
+// Draws one basis BRDF after another and sums them, each times its weight. Reflected light is always such a sum.
 template <typename Draw>
 gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, gl::Material& material,
                          const Draw& draw) {
@@ -61,7 +61,7 @@ gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, 
       sum = std::move(part);
       continue;
     }
-    // Alpha is coverage, the same in each.
+    // Alpha is coverage, which is the same in each part.
     for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
       if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
     sum.frame_time_ms += part.frame_time_ms;
@@ -140,15 +140,14 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   return pictures;
 }
 
-/// Measured with Mesa 22.3.6: a plane seen from above, terrain of 403 x 344, averaged normals 85 % off with
-/// --anisotropy 4 and 60 % without; resized to 256 x 256, 65 and 66 %.
+/// Measured with Mesa 22.3.6, plane seen from above, averaged normals, terrain of 403 x 344: 85 % error with
+/// --anisotropy 4 and 60 % without. Resized to 256 x 256: 65 and 66 %.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
-  log_warning(options.file,
-              fmt::format("is {} x {} texels; this software renderer filters sizes that are no powers of two "
-                          "wrongly with --anisotropy: leave it out for a right picture",
-                          baked.width, baked.height));
+  log_warning(options.file, fmt::format("is {} x {} texels; with --anisotropy this software renderer filters maps "
+                                        "wrongly unless their sides are powers of two. Leave the option out",
+                                        baked.width, baked.height));
 }
 
 }  // namespace multum

@@ -13,24 +13,24 @@
 namespace multum {
 
 struct NamedPicture {
-  std::string name;  // "multum", or what --compare has
+  std::string name;  // "multum", or a name of --compare
   gl::Picture picture;
-  std::shared_ptr<const gl::FloatImage> background = nullptr;  // what is seen behind it; errors are without
+  std::shared_ptr<const gl::FloatImage> background = nullptr;  // shown behind the picture; not part of errors
 };
 
-/// What a picture of the scene has behind it: the environment. Null: nothing, which is black.
+/// Returns the background of a picture of the scene: the environment. Null: no background, which is black.
 std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& options, const gl::RenderScene& scene);
 
-/// The picture with what is behind it.
+/// Returns the picture over its background.
 gl::FloatImage shown_image(const NamedPicture& picture);
 
-/// Draws every picture that the options ask for, of as many scenes as are handed in; textures are uploaded once.
+/// Draws every picture that the options list, for any number of scenes. Textures are uploaded once.
 class PictureDrawer {
  public:
-  /// What is handed in must outlive it.
+  /// All arguments must outlive this object.
   PictureDrawer(const MapOptions& options, const std::vector<Brdf>& basis, const gl::GlFunctions& gl,
                 const gl::Mesh& mesh, const BakedMap& map, const gl::NormalImage& source);
-  /// The reference first, where it is asked for, then the baked map, then the baselines.
+  /// Returns the reference first, if --compare lists it, then the baked map, then the baselines.
   std::vector<NamedPicture> draw(const gl::RenderScene& scene);
   std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
   double take_environment_seconds() { return renderer_.take_environment_seconds(); }
@@ -46,7 +46,7 @@ class PictureDrawer {
   std::optional<gl::Picture> kept_reference_;
 };
 
-/// `renderer`: how GL describes itself.
+/// `renderer`: GL's name for itself.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer);
 
 }  // namespace multum

@@ -26,13 +26,13 @@
 namespace multum {
 namespace {
 
-/// As the bake read it, unless the command line says otherwise.
+/// The bake's own settings, except for those that the command line sets.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
   if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
-    settings.repair_share_max = 1.0f;  // the bake took these very texels
+    settings.repair_share_max = 1.0f;  // the bake accepted these same texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(options.source.normals,
                 fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
@@ -44,18 +44,16 @@ NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& 
   return settings;
 }
 
-/// Warns of an albedo, roughness, gloss or weights map that is not the one of the bake, by what the file's settings
-/// state.
+/// Warns if an albedo, roughness, gloss or weights map differs from the one that the baked file's settings name.
 void warn_of_another(const std::string& file, const BakedHeader& baked, const char* key, const char* option,
                      const std::string& path, const std::string& ending) {
   const nlohmann::json settings = nlohmann::json::parse(baked.provenance.settings, nullptr, false);
   if (!settings.is_object() || !settings.contains(key) || !settings[key].is_string()) return;
   const std::string stated = settings[key].get<std::string>();
   if (stated.empty() || stated == hash_file(path) + ending) return;
-  log_warning(path + ending,
-              fmt::format("{} is not what {} was baked with ({} {}): the reference and the baselines may show another "
-                          "material",
-                          option, file, key, stated));
+  log_warning(path + ending, fmt::format("{} differs from the map that {} was baked with ({} {}): the reference and "
+                                         "the baselines may show another material",
+                                         option, file, key, stated));
 }
 
 ChannelFile roughness_file(const SourceOptions& source) {
@@ -64,24 +62,24 @@ ChannelFile roughness_file(const SourceOptions& source) {
   return file;
 }
 
-/// Throws Error(kUsage) unless the maps beside --source are those that the file was baked with.
+/// Throws Error(kUsage) unless the maps given with --source are those that the file was baked with.
 void check_materials(const MapOptions& options, const BakedHeader& baked, const ChannelFile& roughness,
                      std::size_t brdf_count) {
   if (baked.has_roughness == roughness.path.empty())
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has {}roughness in, found {}, expected {} beside --source",
-                                               options.file, baked.has_roughness ? "" : "no ",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: was baked {} roughness, found {}, expected {} with --source",
+                                               options.file, baked.has_roughness ? "with" : "without",
                                                roughness.path.empty() ? "no --roughness and no --gloss"
                                                : roughness.is_gloss   ? "--gloss"
                                                                       : "--roughness",
                                                baked.has_roughness ? "the map that it was baked with" : "none"));
   if (brdf_count > 1 && options.source.weights.empty())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: found {} of --brdf and no --weights, expected the map that it was baked with beside "
-                            "--source",
-                            options.file, brdf_count));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: found {} times --brdf and no --weights, expected the weight map of the bake with --source",
+                    options.file, brdf_count));
 }
 
-/// Normals as the bake had them, shortened by roughness: planes all the way, texels once they are done.
+/// Returns the bake's normals, shortened by roughness. Works on planes and makes texels at the end.
 std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHeader& baked, NormalMap map,
                                       const ChannelFile& roughness) {
   std::array<std::vector<float>, 3> planes = {std::move(map.x), std::move(map.y), std::move(map.z)};
@@ -100,7 +98,7 @@ std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHead
   return texels;
 }
 
-/// Colours and weights, as the bake had them.
+/// Adds the bake's colours and weights.
 void add_materials(const MapOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
   const SourceOptions& source = options.source;
   if (!source.weights.empty()) {
@@ -184,8 +182,8 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   const std::string& source = options.source.normals;
   if (source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
-                            "baked from, which has the finer ones ({}, SHA-256 {})",
+                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map of the bake, "
+                            "which has the finer levels ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
                             baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
@@ -207,9 +205,10 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
 void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, ViewScenes& scenes) {
   if (options.brdf_roughness.empty()) return;
   if (!representation_info(baked.representation).has_kappa || baked.has_roughness)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {}, found --brdf-roughness, expected it for files of lobes without", options.file,
-                            baked.has_roughness ? "has roughness in" : "holds no vMF lobes"));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: {}, found --brdf-roughness, expected this only with files of lobes baked without roughness",
+                    options.file, baked.has_roughness ? "was baked with roughness" : "holds no vMF lobes"));
   LobeMaterial material =
       read_lobe_material({parse_channel_file(options.brdf_roughness), {}, {}}, baked.width, baked.height, {}, 1);
   for (const std::string& warning : material.roughness->warnings) log_named_warning(warning);
@@ -246,12 +245,12 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.normals.empty() && options.comparison.pictures.empty())
-    log_warning(options.source.normals, "is not read without --compare: the baked map's picture does not need it");
+    log_warning(options.source.normals, "is not read: without --compare no picture needs it");
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
-    log_warning(options.file,
-                fmt::format("has colours from level {} on; without --albedo the finer levels have those of level "
-                            "{}, blurred",
-                            baked.first_level, baked.first_level));
+    log_warning(
+        options.file,
+        fmt::format("has colours from level {} on; without --albedo finer levels use the colours of level {}, blurred",
+                    baked.first_level, baked.first_level));
 }
 
 }  // namespace multum

@@ -24,7 +24,7 @@ namespace {
 
 bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
-/// First row: the pictures; second, where there is a reference: what each is off by.
+/// Composes a sheet: the pictures in the first row; if there is a reference, each picture's error in the second row.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {
@@ -39,12 +39,12 @@ gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure
   return gl::make_contact_sheet(rows, 1.0f / exposure);
 }
 
-/// The file that a picture gets by itself: `what` is its name, or its name and "_difference".
+/// Returns the path of a single picture. `what` is its name, or its name and "_difference".
 std::string picture_path(const OutputOptions& options, const std::string& what) {
   return options.pictures + "_" + what + options.path.substr(options.path.rfind('.'));
 }
 
-/// Every picture, and what it is off by, in a file of its own.
+/// Writes every picture, and its difference from the reference, to its own file.
 void write_each(const OutputOptions& options, const std::vector<NamedPicture>& pictures) {
   for (const NamedPicture& one : pictures) {
     write_picture(picture_path(options, one.name), shown_image(one), options.exposure);
@@ -68,7 +68,7 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return json;
 }
 
-// One sample has no measure of its noise.
+// With one sample per pixel, noise is not measured.
 nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann::json(noise) : nlohmann::json(); }
 
 std::string reference_line(const gl::Picture& reference) {
@@ -87,7 +87,7 @@ nlohmann::json filter_json(const ShadingOptions& shading) {
   return filter;
 }
 
-/// The sheet, and with --pictures each picture.
+/// Adds the sheet and, with --pictures, each picture.
 void add_pictures(const OutputOptions& options, const std::vector<std::string>& compared,
                   std::vector<std::string>& outputs) {
   outputs.push_back(options.path);

@@ -10,30 +10,30 @@
 
 namespace multum {
 
-/// Refuses, before anything is drawn, file names that would overwrite each other or what is read, or that cannot be
-/// written: nothing is rendered for nothing, and no picture is left beside a report that failed.
+/// Before anything is drawn, refuses output files that cannot be written, or that would overwrite each other or an
+/// input. So no rendering is wasted, and no picture is left without its report.
 void check_outputs(const MapOptions& options, const ViewScenes& scenes);
 
-/// The sheet, and with --pictures every picture, and what it is off by, in a file of its own.
+/// Writes the sheet and, with --pictures, every picture and its difference from the reference to its own file.
 void write_pictures(const OutputOptions& options, const std::vector<NamedPicture>& pictures);
 
-/// Draws, prints and writes each of views_of(); returns the rows of all.
+/// Draws, prints and writes each of views_of(). Returns the rows of all views.
 nlohmann::json draw_views(const PictureOptions& options, const gl::RenderScene& scene,
                           const std::function<std::vector<NamedPicture>(const gl::RenderScene& scene)>& draw);
 
-/// Prints it, and returns its rows.
+/// Prints the table and returns its rows.
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures);
 
-/// What a report says besides its rows.
+/// The contents of a report besides its rows.
 struct ReportFacts {
   const gl::HeadlessContext& context;
   ComparisonOptions comparison = {};
-  bool brdf_is_in_map = false;  // each texel of the file has its own roughness, whatever the scene says
+  bool brdf_is_in_map = false;  // each texel of the file has its own roughness; the scene's is ignored
 };
 void write_report(const PictureOptions& options, const gl::RenderScene& scene, const ReportFacts& facts,
                   const nlohmann::json& pictures);
 
-/// To `path`.
+/// Writes the variants to `path`.
 void write_shaders(const std::string& path, const std::vector<gl::ShaderVariant>& variants);
 
 }  // namespace multum

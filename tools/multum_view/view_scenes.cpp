@@ -24,23 +24,25 @@ void place_camera(const CameraPlace& place, gl::Camera& camera) {
   if (place.fov_y_degrees) camera.fov_y_degrees = *place.fov_y_degrees;
 }
 
-/// What is up in the picture: meshes have it along +Y, as glTF does, and the plane along +Z.
+/// Sets the up direction: +Y for meshes, as in glTF, and +Z for the plane.
 void set_up(const PictureOptions& options, ViewScenes& scenes) {
   gl::Camera& camera = scenes.first.camera;
   const bool is_plane = options.surface.mesh.empty();
   scenes.up = options.camera.up.value_or(is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f));
   if (options.camera.up && (scenes.has_camera || is_plane) && looks_along(camera, scenes.up))
-    throw Error(ErrorCode::kUsage, "--up lies along the line of sight, expected another direction, e.g. 0,0,1");
-  // Looking straight up or down, another direction has to be up: further away on the plane, and away from who
-  // looks at a mesh from the front.
+    throw Error(ErrorCode::kUsage, "--up is parallel to the line of sight, expected another direction, such as 0,0,1");
+  // A camera that looks straight up or down needs another up direction: away from the viewer on the plane, and away
+  // from a viewer in front of a mesh.
   if (!options.camera.up && scenes.has_camera && looks_along(camera, scenes.up))
     scenes.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   camera.up = scenes.up;
 }
 
 void set_lights(const LightOptions& options, const glm::vec3& up, gl::RenderScene& scene) {
-  if (options.distant.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--light: at most 8 lights");
-  if (options.points.size() > gl::kLightCountMax) throw Error(ErrorCode::kUsage, "--point-light: at most 8 lights");
+  if (options.distant.size() > gl::kLightCountMax)
+    throw Error(ErrorCode::kUsage, "--light: found more than 8 lights, expected at most 8");
+  if (options.points.size() > gl::kLightCountMax)
+    throw Error(ErrorCode::kUsage, "--point-light: found more than 8 lights, expected at most 8");
   if (!options.distant.empty() || !options.points.empty() || !options.environment.empty())
     scene.lights = options.distant;
   scene.point_lights = options.points;
@@ -55,7 +57,8 @@ void check_under_environment(const std::string& option, const Brdf& brdf) {
 }
 
 std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environment) {
-  if (options.brdfs.size() > kWeightCountMax) throw Error(ErrorCode::kUsage, "--brdf: at most 4, a weight each");
+  if (options.brdfs.size() > kWeightCountMax)
+    throw Error(ErrorCode::kUsage, "--brdf: found more than 4, expected at most 4, one per weight");
   const std::vector<std::string> brdfs =
       options.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : options.brdfs;
   for (const auto& [option, colours] :
@@ -78,13 +81,12 @@ std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environmen
 
 void change_brdf(const AnimationOptions& options, const ViewScenes& scenes, Brdf& brdf) {
   if (scenes.basis.size() > 1 && (!options.brdf.empty() || options.diffuse || options.specular))
-    throw Error(ErrorCode::kUsage,
-                "--to-brdf, --to-diffuse and --to-specular change one BRDF, found several of --brdf");
+    throw Error(ErrorCode::kUsage, "--to-brdf, --to-diffuse and --to-specular: found several --brdf, expected one");
   if (!options.brdf.empty()) {
     const Brdf before = brdf;
     brdf = parse_brdf("--to-brdf", options.brdf, before.term_count);
     if (brdf.kind != before.kind || brdf.kind == BrdfKind::kMeasured)
-      refuse_value("--to-brdf", options.brdf, "another parameter of the family that --brdf has");
+      refuse_value("--to-brdf", options.brdf, "another parameter of the family of --brdf");
     brdf.diffuse = before.diffuse;
     brdf.specular = before.specular;
   }
@@ -117,9 +119,9 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.first.filter.is_turned = !options.surface.mesh.empty();
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())
-    throw Error(ErrorCode::kUsage, "--fixed-fresnel: is for lights alone; found --environment, expected none");
+    throw Error(ErrorCode::kUsage, "--fixed-fresnel: works only with lights; found --environment, expected none");
   if (options.shading.formula == gl::LobeFormula::kPaper && scenes.first.brdf.kind != BrdfKind::kBlinnPhong)
-    throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
+    throw Error(ErrorCode::kUsage, "--formula paper: needs Blinn-Phong, expected --brdf blinn-phong:S");
   scenes.last = scenes.first;
   return scenes;
 }

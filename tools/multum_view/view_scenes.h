@@ -11,26 +11,26 @@ namespace multum {
 
 struct ViewScenes {
   gl::RenderScene first;
-  gl::RenderScene last;            // of frames; else as the first
+  gl::RenderScene last;            // the last frame's scene; without frames, the same as the first
   std::vector<Brdf> basis;         // several: blended by the map's weights
-  glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's, also where the camera frames the mesh
+  glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit; the camera's up direction, also when the camera frames the mesh
   bool has_camera = false;
   bool has_last_camera = false;
 };
 
-/// Throws Error(kUsage) for cameras, lights and BRDFs that do not go together.
+/// Throws Error(kUsage) for cameras, lights and BRDFs that exclude each other.
 ViewScenes make_scenes(const PictureOptions& options);
 /// Changes the last frame's scene as the options say.
 void change_last_scene(const AnimationOptions& options, ViewScenes& scenes);
 
-/// One picture of a scene: its camera, and the names of what it writes.
+/// One picture of a scene: its camera, and the names of its outputs.
 struct View {
   OutputOptions output;
   gl::RenderScene scene;
   std::optional<float> distance;  // the factor of --distance
 };
 
-/// One for each of --distance, or one; `scene` has its camera.
+/// Returns one view for each --distance, or one view; `scene` has its camera.
 std::vector<View> views_of(const PictureOptions& options, const gl::RenderScene& scene);
 
 }  // namespace multum

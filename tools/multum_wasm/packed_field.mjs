@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields of animations (docs/reference/packed_fields.md) in JavaScript, browser or Node: packed_field.wasm,
-// which tools/wasm_decoder compiles, behind two classes.
+// Packed fields of animations (docs/reference/packed_fields.md) in JavaScript, for browsers and Node. Two classes wrap
+// packed_field.wasm, which tools/wasm_decoder compiles.
 //
 //     const decoder = await loadDecoder(bytesOfWasm)
 //     const field = decoder.open(bytesOfFile)
 //     const chunk = field.chunk(0)                  // of field.chunkCount; its layer and block, width, height
 //     chunk.radianceHalves(sample)                  // Uint16Array, [height][width][3], for a texture of halves
 //     chunk.close(); field.close()
-//     decoder.chunkOf(bytesOfSection)               // where single ranges of a file are fetched
+//     decoder.chunkOf(bytesOfSection)               // for callers that fetch single ranges of a file
 
-const notSupported = 52  // ENOSYS of WASI: the decoder knows neither files nor time
+const notSupported = 52  // WASI's ENOSYS: the decoder uses neither files nor time
 
 export async function loadDecoder(bytes) {
   const module = await WebAssembly.compile(bytes)
@@ -28,7 +28,7 @@ export async function loadDecoder(bytes) {
 class Decoder {
   constructor(wasm) { this.wasm = wasm }
 
-  // Throws Error saying what is wrong with the bytes.
+  // Throws Error with the reason if the bytes are bad.
   open(bytes) {
     const memory = this.allocated(bytes.length)
     new Uint8Array(this.wasm.memory.buffer, memory, bytes.length).set(bytes)
@@ -40,7 +40,7 @@ class Decoder {
     return new PackedField(this, memory, field)
   }
 
-  // A chunk by its section's bytes, whose checksum the caller has compared. Throws Error saying what is wrong.
+  // Decodes a chunk from its section's bytes, whose checksum the caller has compared. Throws Error with the reason.
   chunkOf(bytes) {
     const memory = this.allocated(bytes.length)
     new Uint8Array(this.wasm.memory.buffer, memory, bytes.length).set(bytes)
@@ -69,19 +69,19 @@ class PackedField {
     this.chunkCount = decoder.wasm.multum_chunk_count(field)
   }
 
-  // The object that docs/reference/packed_fields.md, "The description", has; null where it is damaged or missing.
+  // Returns the object of docs/reference/packed_fields.md, "The description"; null if it is damaged or missing.
   async description() {
     const { wasm } = this.decoder
     const length = wasm.multum_description_length(this.field)
     if (length === 0) return null
     const begin = this.memory + wasm.multum_description_offset(this.field)
     const section = new Uint8Array(wasm.memory.buffer, begin, length).slice()
-    const text = section.subarray(section.findIndex(byte => byte < 128) + 1)  // behind the number that says how long
+    const text = section.subarray(section.findIndex(byte => byte < 128) + 1)  // after the number that gives its length
     const inflated = new Blob([text]).stream().pipeThrough(new DecompressionStream('deflate'))
     return new Response(inflated).json()
   }
 
-  // Throws Error saying what is wrong with the chunk's bytes.
+  // Throws Error with the reason if the chunk's bytes are bad.
   chunk(number) {
     if (!(number >= 0 && number < this.chunkCount)) throw new RangeError(`there is no chunk ${number}`)
     const { wasm } = this.decoder
@@ -111,7 +111,7 @@ class TextureChunk {
   // Radiance, as the bits of halves.
   radianceHalves(sample) { return this.values(sample, 'multum_radiance_halves', Uint16Array) }
 
-  // The same with all mip levels, the finest first, as `multum unpack` writes them: [texels][3].
+  // Radiance of all mip levels, finest first, as `multum unpack` writes them: [texels][3].
   radianceLevels(sample) {
     return this.values(sample, 'multum_radiance_levels', Uint16Array, this.decoder.wasm.multum_level_texels(this.chunk))
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that Babylon.js reads what multum export writes as DDS in half floats, every level, in headless Chromium: the
-// halves that KTX2 files of the same export hold, read by ktx-parse. Babylon 9 refuses other DX10 formats, and says so.
+// Tests that Babylon.js in headless Chromium reads the half-float DDS files of multum export: every level must have the
+// halves of the KTX2 file of the same export, read by ktx-parse. Babylon 9 refuses other DX10 formats with a message.
 //
 //   node tests/cli/exports/dds_in_babylon_test.mjs FOLDER_OF_PROGRAMS WORK_FOLDER
 //
-// Exit code 77, a skipped test, without Chromium or npm's packages.
+// Exits with 77 (skipped) without Chromium or npm's packages.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, rmSync } from "node:fs";
@@ -16,7 +16,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 const [programs, work] = process.argv.slice(2);
 const modules = fileURLToPath(new URL("../../service/web/node_modules/", import.meta.url));
 const SIDE = 64;
-const PATIENCE = 60000; // ms: a machine may be busy with other things
+const PATIENCE = 60000; // ms; the machine may be busy
 
 const browserPath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium"].find(existsSync);
 const packages = ["babylonjs", "ktx-parse", "playwright-core"];

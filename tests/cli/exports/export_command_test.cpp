@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: its images as OpenImageIO reads them, the same for any memory, its report, what is refused, and what
-// is left where it is interrupted.
+// multum export: its images as OpenImageIO reads them, the same bytes for any memory, its report, its refusals, and the
+// files that remain after an interruption.
 #include <OpenImageIO/imageio.h>
 
 #include <signal.h>
@@ -39,16 +39,16 @@ TEST_F(ExportCommandTest, OpenImageIoReadsTheLevels) {
       EXPECT_EQ(picture.channels, 3);
       EXPECT_FALSE(picture.is_half);
     }
-  // The finest level is the map itself, with the base's roughness and no maps beside it.
+  // The finest level is the map itself, with the base roughness because no roughness map was given.
   const Picture source = read_picture(path("map.png")), finest = level("normal_00.png"), orm = level("orm_00.png");
   for (int y = 0; y < 22; ++y)
     for (int x = 0; x < 35; ++x)
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(finest.at(x, y, c), source.at(x, y, c), 2.5f / 255.0f) << x << ", " << y;
   EXPECT_NEAR(orm.at(3, 4, 1), 0.2f, 0.5f / 255.0f);
   EXPECT_EQ(orm.at(3, 4, 0), 1.0f);
-  EXPECT_EQ(orm.at(3, 4, 2), 0.0f) << "nobody said that it was metal";
+  EXPECT_EQ(orm.at(3, 4, 2), 0.0f) << "without a metalness map the surface is not metal";
   EXPECT_EQ(level("anisotropy_00.png").at(3, 4, 2), 0.0f);
-  // The coarsest is rougher than the base, and its axis is a direction.
+  // The coarsest level is rougher than the base, and its axis is a direction.
   EXPECT_GT(level("orm_05.png").at(0, 0, 1), 0.3f);
   const Picture axis = level("anisotropy_05.png");
   EXPECT_NEAR(std::hypot(2.0f * axis.at(0, 0, 0) - 1.0f, 2.0f * axis.at(0, 0, 1) - 1.0f), 1.0f, 0.02f);
@@ -59,7 +59,7 @@ TEST_F(ExportCommandTest, OpenImageIoReadsTheLevels) {
   for (const std::string name : report["files"]) EXPECT_TRUE(std::filesystem::exists(name)) << name;
   for (const char* kernel : {"one_lobe_finest", "one_lobe_samples", "one_lobe_fit"})
     EXPECT_GT(report["launches"][kernel], 0) << kernel;
-  // A level that the map lacks is not measured.
+  // Levels that the map does not have are not measured.
   ASSERT_EQ(report["accuracy"]["levels"].size(), 2u);
   const auto& rules = report["accuracy"]["levels"][0]["rules"];
   EXPECT_EQ(report["accuracy"]["cells"].size(), 5u);  // level 4 has two texels
@@ -88,16 +88,16 @@ TEST_F(ExportCommandTest, CarriesMapsOfTheMaterial) {
   EXPECT_NEAR(second.at(0, 0, 2), 0.0f, 1e-3f);
   EXPECT_NEAR(second.at(1, 0, 2), 1.0f, 1e-3f);
   EXPECT_NEAR(last.at(0, 0, 2), 0.5f, 1e-3f);
-  // Half of all facets are those of roughness 0.2, half those of 0.8.
+  // Half of all facets have roughness 0.2, and half have 0.8.
   EXPECT_GT(second.at(0, 0, 1), 0.4f);
   EXPECT_LT(second.at(0, 0, 1), 0.8f);
-  // Gloss is the other way round; named channels are taken.
+  // Gloss is 1 - roughness; a channel may be named.
   ASSERT_EQ(run({"--gloss", path("orm.png") + ":R", "--format", "exr", "--no-measure"}).exit_code, 0);
   EXPECT_NEAR(level("orm_00.exr").at(0, 0, 1), 1.0f - 64.0f / 255.0f, 1e-3f);
   EXPECT_EQ(level("orm_00.exr").at(0, 0, 0), 1.0f);
 }
 
-// One way to store a material, and the formats of its textures.
+// One way to store a material, with the formats of its textures.
 struct Stored {
   std::vector<std::string> options;
   bool has_zstd;
@@ -114,7 +114,7 @@ std::vector<Stored> stored_kinds() {
           {{"--texels", "bc", "--roughness-alone", "--zstd", "10"}, true, {{"normal", kBc5}, {"roughness", kBc4}}}};
 }
 
-// A KTX2 file says what it holds to a reader that is not ours, and holds what the images do.
+// ktx-parse, an independent reader, finds the format in a KTX2 file, and the same texels as in the images.
 TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_reading.mjs";
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
@@ -180,7 +180,7 @@ TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
           bytes = plain;
         }
         EXPECT_EQ(entry["length"], bytes.size());
-        if (info.block_side == 4) continue;  // their texels are those of the test below
+        if (info.block_side == 4) continue;  // a test below compares their texels
         const Picture image =
             level((name == "roughness" ? "orm" : name) + "_0" + std::to_string(l) + (is_half ? ".exr" : ".png"));
         const std::vector<float> texels = decoded_level(bytes, format, image.width, image.height);
@@ -195,8 +195,8 @@ TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
   }
 }
 
-// Every level of every kind of KTX2, as three.js's KTX2Loader hands it to a shader in Chromium; blocks too, where its
-// GL has them.
+// Compares every level of every kind of KTX2 file as three.js's KTX2Loader hands it to a shader in Chromium. Block
+// formats are compared if Chromium's GL has them.
 TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_in_three.mjs", browser = chromium_path();
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
@@ -214,7 +214,7 @@ TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
                                         "--no-measure"};
     options.insert(options.end(), kind.options.begin(), kind.options.end());
     ASSERT_EQ(multum(options).exit_code, 0);
-    // The same without Zstandard, to be compared with.
+    // The same export without Zstandard, for comparison.
     for (std::string& option : options)
       if (option == path(folder + "/rock.ktx2")) option = path(folder + "/plain.ktx2");
     if (kind.has_zstd) options.resize(options.size() - 2);
@@ -253,7 +253,7 @@ TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
       ASSERT_TRUE(texels);
       const std::vector<float> expected = decoded_level(level_of(bytes, format, 36, 24, l), format, width, height);
       ASSERT_EQ(texels->size(), expected.size() * sizeof(float));
-      // GLs may round what blocks of BC4 and BC5 hold between their ends to 8 bits.
+      // GL implementations may round interpolated values of BC4 and BC5 blocks to 8 bits.
       const float tolerance = format == TexelFormat::kBc4 || format == TexelFormat::kBc5 ? 1.01f / 255.0f : 1e-6f;
       for (std::size_t i = 0; i < expected.size(); ++i) {
         float value;
@@ -264,8 +264,8 @@ TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
   }
 }
 
-// DDS: blocks as OpenImageIO decodes them; it does not take other formats with a DX10 header, whose levels have the
-// bytes of KTX2's.
+// OpenImageIO decodes blocks of DDS files. It supports no other formats with a DX10 header; the bytes of those levels
+// are compared with KTX2.
 TEST_F(ExportCommandTest, OpenImageIoReadsDds) {
   write("map.png", normal_image(36, 24));
   for (const Stored& kind : stored_kinds()) {
@@ -306,7 +306,8 @@ TEST_F(ExportCommandTest, OpenImageIoReadsDds) {
   }
 }
 
-// The shader's z and decoded blocks are what is measured. This map is rough, so that normals of a block differ much.
+// Errors are measured on decoded blocks with the z that a shader computes. In this rough map the normals of a block
+// differ much.
 TEST_F(ExportCommandTest, MeasuresWhatIsStored) {
   make_map("big", 128);
   std::map<std::string, double> errors;
@@ -326,7 +327,7 @@ TEST_F(ExportCommandTest, MeasuresWhatIsStored) {
   EXPECT_NEAR(errors["bc"], errors["rgba8"], 0.4 * errors["rgba8"]);
 }
 
-// Level 0 of a baked file is the map, and its lobes are measured beside.
+// Level 0 of a baked file is the map; the report also measures the file's lobes.
 TEST_F(ExportCommandTest, TakesABakedFile) {
   make_map("big", 128);
   for (const std::string ndf : {"vmf", "gmm"})
@@ -363,7 +364,7 @@ TEST_F(ExportCommandTest, TakesABakedFile) {
   EXPECT_EQ(reports["map"]["accuracy"]["names"]["baked"], "4 baked lobes");
 }
 
-// All ways to filter, with pictures and numbers; lobes are nearest and flicker least.
+// The page has all ways to filter, with pictures and numbers. Lobes have the lowest error and the least flicker.
 TEST_F(ExportCommandTest, WritesAPage) {
   make_map("big", 128);
   const ProgramResult result = multum({"export", path("big_normal.png"), "-o", path("out"), "--base-roughness", "0.3",
@@ -389,15 +390,15 @@ TEST_F(ExportCommandTest, WritesAPage) {
   EXPECT_EQ(data["report"]["accuracy"]["names"]["baked"], "4 baked lobes");
   EXPECT_TRUE(data["report"]["launches"].contains("one_lobe_fit"));
   EXPECT_FALSE(data["report"]["launches"].contains("movmf_em_texels"))
-      << "the bake beside the page is not the export's";
+      << "launches of the page's bake must not count for the export";
   if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
   else expect_says(result.err, {"ffmpeg", "no moving pictures"});
-  // What the map is, which is read for the export, for the page and for the bake beside, is said once.
+  // The export, the page and the bake of lobes each read the map, but the line about it is printed once.
   std::istringstream said(result.err);
   std::set<std::string> lines;
   for (std::string line; std::getline(said, line);) EXPECT_TRUE(lines.insert(line).second) << line;
   EXPECT_FALSE(lines.empty());
-  // Nothing else is left beside it.
+  // No other file is left in the folder.
   for (const auto& entry : std::filesystem::directory_iterator(path("")))
     EXPECT_FALSE(entry.path().filename().string().starts_with(".multum")) << entry.path();
   expect_refusal(multum({"export", path("big_normal.png"), "-o", path("new"), "--page", path("none/page.html")}),
@@ -490,7 +491,7 @@ TEST_F(ExportCommandTest, RefusesWhatCannotBe) {
   expect_refusal(multum({"export", path("map.png"), "-o", path("map.png/a.dds")}), kEnvironment, {"map.png"});
   expect_refusal(multum({"export", path("map.png"), "-o", path("map.png/out")}), kEnvironment, {"map.png"});
   expect_refusal(multum({"export", path("map.png")}), kUsage, {"--output"});
-  // A folder whose images are the export's own source.
+  // The output folder holds the source itself, under an output's name.
   std::filesystem::create_directory(path("own"));
   write("own/normal_00.png", normal_image(16, 16));
   const std::string before = read_bytes(path("own/normal_00.png"));

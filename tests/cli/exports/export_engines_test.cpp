@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export for engines with other conventions: green down, smoothness, no metalness, UASTC; and what it says of
-// engines that load nothing of it. Images and blocks of DDS are read by OpenImageIO, UASTC by three.js in Chromium.
+// multum export for engines with other conventions: green down, smoothness, no metalness, UASTC; and the line about
+// engines that load none of the files. OpenImageIO reads images and DDS blocks; three.js reads UASTC in Chromium.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 const std::string kModules = MULTUM_SOURCE_DIR "/tests/service/web/node_modules/";
 
-// A level of a texture, four values a texel.
+// A level of a texture, four values per texel.
 using Texels = std::vector<float>;
 
 class ExportEnginesTest : public CliTest {
@@ -44,7 +44,7 @@ class ExportEnginesTest : public CliTest {
     const std::string bytes = level_of(read_bytes(path(file)), format, kWidth, kHeight, level);
     return decoded_level(bytes, format, std::max(1, kWidth >> level), std::max(1, kHeight >> level));
   }
-  // Blocks as OpenImageIO decodes them.
+  // Reads a level's blocks as OpenImageIO decodes them.
   Picture dds_level(const std::string& file, int level) const {
     OIIO::ImageSpec as_stored;
     as_stored.attribute("oiio:UnassociatedAlpha", 1);
@@ -78,7 +78,7 @@ TEST_F(ExportEnginesTest, GreenDownIsTheOtherWayRoundInImages) {
           ASSERT_NEAR(down.values[i], i % 3 == 1 && texture != "orm" ? sum - up.values[i] : up.values[i], 1e-6f) << i;
       }
   }
-  // The map is steep enough to tell.
+  // The map is steep enough to show the difference.
   EXPECT_GT(std::abs(image("up_png", "normal", 0, "png").at(3, 4, 1) - 0.5f), 0.02f);
 }
 
@@ -103,7 +103,7 @@ TEST_F(ExportEnginesTest, GreenDownIsTheOtherWayRoundInTextureFiles) {
           ASSERT_NEAR(down[i], i % 4 == 1 ? kind.sum - up[i] : up[i], kind.tolerance) << "level " << l << ", " << i;
       }
     }
-  // Of BC5 as somebody else decodes it: green of level 0 is that of the map, turned round.
+  // OpenImageIO decodes BC5: the green channel of level 0 is that of the map, inverted.
   const Picture blocks = dds_level("down_normal.dds", 0), map = read_picture(path("map.png"));
   float error = 0.0f;
   for (int y = 0; y < kHeight; ++y)
@@ -111,7 +111,7 @@ TEST_F(ExportEnginesTest, GreenDownIsTheOtherWayRoundInTextureFiles) {
   EXPECT_LT(error / static_cast<float>(kWidth * kHeight), 0.01f);
 }
 
-// What is measured is the surface, whichever way its green is written.
+// The measured error does not depend on the direction of green.
 TEST_F(ExportEnginesTest, MeasuresTheSameWithGreenDown) {
   make_map("big", 64);
   std::map<std::string, nlohmann::json> reports;
@@ -160,7 +160,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
     }
     std::filesystem::remove_all(path("mask"));
   }
-  // Of blocks with alpha, as OpenImageIO decodes them, against the images' roughness.
+  // Compares blocks with alpha, decoded by OpenImageIO, with the images' roughness.
   expect_done("orm", with({"png"}));
   expect_done("blocks.dds", with({"dds", "--smoothness", "--texels", "bc"}));
   for (int l = 0; l < kLevels; ++l) {
@@ -176,13 +176,13 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
       }
     EXPECT_LT(error / static_cast<float>(orm.width * orm.height), 0.02f) << "level " << l;
   }
-  // By itself.
+  // Roughness as a texture of its own.
   expect_done("alone", {"--roughness", path("maps.png"), "--roughness-alone", "--smoothness"});
   const Picture orm = image("orm", "orm", 1, "png"), alone = image("alone", "smoothness", 1, "png");
   for (int x = 0; x < alone.width; ++x) EXPECT_NEAR(alone.at(x, 2, 0), 1.0f - orm.at(x, 2, 1), 1e-6f);
 }
 
-// Nobody said that it was metal.
+// Without a metalness map the metalness is 0.
 TEST_F(ExportEnginesTest, WithoutAMetalnessMapNothingIsMetal) {
   expect_done("orm", {});
   expect_done("mask", {"--smoothness"});
@@ -197,7 +197,7 @@ TEST_F(ExportEnginesTest, WithoutAMetalnessMapNothingIsMetal) {
   }
 }
 
-// UASTC: what three.js hands to a shader is the images' levels, within what blocks lose; with and without Zstandard.
+// three.js hands the images' levels to a shader, within the loss of UASTC blocks; with and without Zstandard.
 TEST_F(ExportEnginesTest, ThreeReadsUastc) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_in_three.mjs", browser = chromium_path();
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
@@ -235,14 +235,14 @@ TEST_F(ExportEnginesTest, ThreeReadsUastc) {
       for (std::size_t i = 0; i < texels.size() / 4; ++i)
         for (std::size_t c = 0; c < static_cast<std::size_t>(expected.channels); ++c)
           error += std::abs(texels[4 * i + c] - expected.values[i * static_cast<std::size_t>(expected.channels) + c]);
-      // Axes of anisotropy differ much from texel to texel.
+      // Axes of anisotropy differ much between neighbouring texels.
       EXPECT_LT(error / static_cast<float>(expected.values.size()), texture == "anisotropy" ? 0.06f : 0.03f)
           << "level " << l;
     }
   }
 }
 
-// What is measured is what a reader finds in the blocks.
+// The error is measured on the stored blocks.
 TEST_F(ExportEnginesTest, MeasuresUastcAsItIsStored) {
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
   if (!std::filesystem::exists(kModules + "ktx2-encoder")) GTEST_SKIP() << "no ktx2-encoder";
@@ -273,7 +273,7 @@ TEST_F(ExportEnginesTest, RefusesUastcThatItCannotWrite) {
     EXPECT_FALSE(entry.path().filename().string().starts_with(".multum")) << entry.path();
 }
 
-// Manifests have the same keys, and notice when they change.
+// Manifests have the same keys, and an export notices when they change.
 TEST_F(ExportEnginesTest, ManifestsHaveThem) {
   const auto with = [&](const std::string& keys) {
     write_bytes(path("maps.toml"),
@@ -297,7 +297,7 @@ TEST_F(ExportEnginesTest, ManifestsHaveThem) {
   expect_says(stale.err, {"stale", "write_green"});
 }
 
-// One line, with the way out; none where every engine loads it.
+// The export prints one line with a remedy, or none if every engine loads the files.
 TEST_F(ExportEnginesTest, SaysWhichEnginesLoadNothing) {
   const ProgramResult bytes = run("bytes.ktx2", {});
   expect_says(bytes.out, {"bytes.ktx2: known not to load: Babylon.js, PlayCanvas, Filament", "--texels uastc"});

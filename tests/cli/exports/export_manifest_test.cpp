@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export of several maps: names, sets, and manifests, whose maps are exported where they have changed.
+// multum export of several maps: names, sets, and manifests whose maps are exported only after a change.
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ constexpr char kTwoMaps[] =
     "[[map]]\ninput = \"rock_<UDIM>.png\"\noutput = \"out/rock_<UDIM>.ktx2\"\nroughness = \"orm_<UDIM>.png\"\n"
     "[[map]]\ninput = \"wall.png\"\noutput = \"out/wall\"\nbase_roughness = 0.3\nformat = \"png\"\n";
 
-// The maps are of one content: so are their counts, and those of one alone.
+// The maps have the same content, so they have the same counts, which are those of a single export.
 TEST_F(ExportManifestTest, EachReportCountsItsOwnLaunches) {
   fs::create_directory(path("out"));
   const auto run = [&](std::vector<std::string> words) {
@@ -88,7 +88,7 @@ TEST_F(ExportManifestTest, SetsAndSeveralMaps) {
                                    "rock_1003_orm.ktx2", "wall_normal.ktx2", "wall_orm.ktx2"}));
   fs::remove_all(path("out"));
   fs::create_directory(path("out"));
-  // A map that fails keeps no other from its export.
+  // A map that fails does not stop the export of the others.
   std::ofstream(path("bad.png")) << "no image";
   const ProgramResult result = run({path("bad.png"), path("wall.png"), "-o", path("out")});
   EXPECT_EQ(result.exit_code, kInput);
@@ -113,7 +113,7 @@ TEST_F(ExportManifestTest, ExportsWhatHasChanged) {
   EXPECT_TRUE(fs::exists(path("out/wall/orm_04.png")));
   expect_says(run_manifest({"--check"}).out, {"0 exported, 3 unchanged"});
 
-  // A setting, a source, a file that is gone, a file that somebody has touched: each is found, and named.
+  // A changed setting, a changed source, a missing file and an edited file are each found and named.
   std::string text = kTwoMaps;
   text.replace(text.find("0.3"), 3, "0.4");
   write_manifest(text);
@@ -131,7 +131,7 @@ TEST_F(ExportManifestTest, ExportsWhatHasChanged) {
   expect_says(damaged.err, {"out/wall: damaged", "normal_02.png", "exported now"});
   EXPECT_EQ(run_manifest({"--check"}).exit_code, 0);
 
-  // One that cannot be read keeps no other from its export.
+  // An unreadable map does not stop the export of the others.
   std::ofstream(path("wall.png")) << "no image";
   fs::remove(path("out/rock_1001_orm.ktx2"));
   const ProgramResult broken = run_manifest();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --resume: an export that was stopped goes on behind the rows that it had fitted, to the same bytes.
+// multum export --resume: a stopped export continues after the rows that it had fitted, and writes the same bytes.
 #include <signal.h>
 
 #include <chrono>
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kSomeRecords = 3'000'000;  // bytes, of some 10 MB
+constexpr std::uintmax_t kSomeRecords = 3'000'000;  // bytes, of about 10 MB in all
 
 class ExportResumeTest : public CliTest {
  protected:
@@ -28,7 +28,7 @@ class ExportResumeTest : public CliTest {
     whole_ = hashes("whole");
   }
 
-  // In several bands of rows.
+  // Exports in several bands of rows.
   std::vector<std::string> command(const std::string& folder, const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {"export",  path("map_normal.png"), "-o",           path(folder), "--memory",
                                           "16M",     "--base-roughness",     "0.25",         "--green",    "up",
@@ -43,7 +43,7 @@ class ExportResumeTest : public CliTest {
     return found;
   }
   std::string fits() const { return path("out/.multum-partial-export/fits"); }
-  // Stops an export when it has fitted some rows.
+  // Stops an export after it has fitted some rows.
   void stop_an_export(int signal) const {
     Program stopped(command("out", {"--resume"}));
     std::error_code none;
@@ -55,7 +55,7 @@ class ExportResumeTest : public CliTest {
       ASSERT_EQ(result.exit_code, 130) << result.err;
       EXPECT_TRUE(hashes("out").empty());
     } else {
-      ASSERT_EQ(result.signal, signal) << "the export was quicker than the kill";
+      ASSERT_EQ(result.signal, signal) << "the export ended before the kill";
     }
     ASSERT_TRUE(fs::exists(fits()));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levels of the files that multum export writes, for tests: images by OpenImageIO, KTX2 and DDS by their heads.
+// Reads levels of the files of multum export, for tests: images by OpenImageIO, KTX2 and DDS by their headers.
 #pragma once
 
 #include <string>
@@ -19,13 +19,13 @@ struct Picture {
   float at(int x, int y, int c) const { return values[static_cast<std::size_t>((y * width + x) * channels + c)]; }
 };
 
-/// Fails the test where it cannot be read.
+/// Fails the test if the image cannot be read.
 Picture read_picture(const std::string& path);
 
-/// A level's bytes in a file with a head that is not packed: of KTX2 by its index, of DDS one behind the other.
+/// Returns a level's bytes from a file without supercompression: by the index in KTX2, in file order in DDS.
 std::string level_of(const std::string& bytes, TexelFormat format, int width, int height, int level);
 
-/// Texels as shaders find them, four values each.
+/// Returns texels as a shader reads them, four values each.
 std::vector<float> decoded_level(const std::string& bytes, TexelFormat format, int width, int height);
 
 }  // namespace multum::testing

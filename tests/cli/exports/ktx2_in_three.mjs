@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what three.js's KTX2Loader makes of KTX2 files in headless Chromium: JSON, the names of the extensions for
-// compressed textures and an object a file: its size, the loader's format and filter, and every level's texels as a
-// shader reads them, floats in base64. A file that cannot be loaded has an error instead.
+// Prints what three.js's KTX2Loader reads from KTX2 files in headless Chromium, as JSON: the names of the extensions
+// for
+// compressed textures, and an object per file. The object has the size, the loader's format and filter, and every
+// level's texels as a shader reads them, floats in base64. For a file that cannot be loaded it has an error instead.
 //
 //   node tests/cli/exports/ktx2_in_three.mjs CHROMIUM FILE...
 import { readFile } from "node:fs/promises";
@@ -11,7 +12,7 @@ import { chromium } from "../../service/web/node_modules/playwright-core/index.m
 
 const [executablePath, ...files] = process.argv.slice(2);
 const modules = fileURLToPath(new URL("../../service/web/node_modules/", import.meta.url));
-const PATIENCE = 60000; // ms: a machine may be busy with other things
+const PATIENCE = 60000; // ms; the machine may be busy
 
 const PAGE = `<!doctype html><script type="importmap">{"imports": {"three": "/modules/three/build/three.module.js",
   "three/addons/": "/modules/three/examples/jsm/"}}</script>
@@ -22,7 +23,7 @@ const PAGE = `<!doctype html><script type="importmap">{"imports": {"three": "/mo
   const loader = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
   const gl = renderer.getContext();
 
-  // Draws a level texel by texel, nothing filtered.
+  // Draws a level one pixel per texel, without filtering.
   function texelsOf(map, level, width, height) {
     const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType });
     const material = new THREE.ShaderMaterial({

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what ktx-parse, a reader that is not ours, finds in KTX2 files: JSON, an array of one object a file. Levels'
-// bytes in base64.
+// Prints what ktx-parse, an independent reader, finds in KTX2 files: a JSON array with one object per file. The bytes
+// of
+// levels are in base64.
 //
 //   node tests/cli/exports/ktx2_reading.mjs FILE...
 import { readFileSync } from "node:fs";

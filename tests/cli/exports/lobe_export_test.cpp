@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --lobes: the file as ktx-parse reads it and as we do, how far stored lobes are from the baked ones,
-// that multum-view draws it, and what is refused.
+// multum export --lobes: the file as ktx-parse and multum read it, the difference of stored lobes from baked ones, a
+// picture by multum-view, and refusals.
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ class LobeExportTest : public CliTest {
   }
 };
 
-// Amplitudes and mean vectors, root mean squares over all stored texels.
+// Root mean square errors of amplitudes and mean vectors, over all stored texels.
 struct StorageError {
   double amplitude = 0.0, vector = 0.0, spread = 0.0;
 };
@@ -65,8 +65,8 @@ StorageError storage_error(const MovmfMipmap& baked, const MovmfMipmap& stored) 
 
 TEST_F(LobeExportTest, StoresTheLobes) {
   const MovmfMipmap baked = read_movmf_mipmap(path("map.ndf.exr"));
-  // Halves have 11 bits; 8 bits of a lobe's range, 1/255 / sqrt(12) a channel; BC4 a seventh of
-  // what a block spans. Blocks of the coarsest levels are not full: more than 4/3 on a map of 64 x 64.
+  // Expected errors. Halves have 11 bits. 8 bits of a lobe's range: 1/255 / sqrt(12) per channel. BC4: a seventh of a
+  // block's span. Blocks of the coarsest levels are not full: more than 4/3 on a map of 64 x 64.
   const struct {
     const char* texels;
     double bytes_ratio;
@@ -88,7 +88,7 @@ TEST_F(LobeExportTest, StoresTheLobes) {
     EXPECT_LT(error.vector, one.most.vector);
     EXPECT_LT(error.spread, one.most.spread);
     EXPECT_GT(error.vector, 0.0);
-    // Zstandard loses nothing.
+    // Zstandard is lossless.
     ASSERT_EQ(run({"--texels", one.texels, "--zstd", "5"}).exit_code, 0);
     EXPECT_EQ(read_lobe_texture(path("map.ktx2")).levels, texture.levels);
   }
@@ -117,7 +117,7 @@ TEST_F(LobeExportTest, KtxParseReadsIt) {
 TEST_F(LobeExportTest, MultumViewDrawsIt) {
   if (!std::filesystem::exists(std::string(MULTUM_BIN_DIR) + "/multum-view"))
     GTEST_SKIP() << "no multum-view was built";
-  // The error of a picture against the reference is that of the baked lobes, within a tenth.
+  // The picture's error against the reference must be within 10 % of the baked lobes' error.
   const auto error_of = [&](const std::string& file) {
     const ProgramResult result =
         run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", path(file), "--source", path("map_normal.png"),

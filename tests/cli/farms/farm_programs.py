@@ -17,7 +17,7 @@ def run(*words):
 
 
 def scene_of(maps, budget=""):
-    """The text of a scene with a painted wall for each map: its name, the beginning of its file's, more lines."""
+    """Returns a scene with a painted wall for each map: its name, the beginning of its file name, more lines."""
     head = f"""[camera]
 resolution = [96, 72]
 {budget}
@@ -42,7 +42,7 @@ distance = [0.4, 20]
 
 
 def main():
-    """As unittest.main(), behind --programs FOLDER."""
+    """Calls unittest.main() after removing --programs FOLDER from the command line."""
     global folder
     if "--programs" in sys.argv:
         at = sys.argv.index("--programs")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Texture inference by several processes: the textures, matrices and manifest of one, whatever the number of shares,
-their order and repetition; what is missing, damaged or hostile is named and made again alone.
+"""Texture inference by several processes gives the textures, matrices and manifest of one process, whatever the number
+of shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made again.
 
   tests/cli/farms/inference_shares_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -31,7 +31,7 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
         done = farm_programs.run("animation", cls.folder / "renders", "-o", cls.job)
         if done.returncode != 0:
             raise AssertionError(done.stderr)
-        # Two blocks of views, so that there are 2 objects x 2 layers x 2 blocks of them.
+        # Two blocks of views give 2 objects x 2 layers x 2 blocks.
         text = cls.job.read_text()
         views = "view = true  # moves the camera\nblock = 0"
         assert views in text
@@ -45,7 +45,7 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
 
     def report(self, folder):
         report = json.loads((folder / "report.json").read_text())
-        for name in ("seconds", "matrices_measured"):  # neighbours may measure the same matrices
+        for name in ("seconds", "matrices_measured"):  # two shares may measure the same matrices
             report.pop(name)
         return report
 
@@ -85,7 +85,7 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
 
     @staticmethod
     def hostile(content):
-        """Parts of a record that are none: a name, and what stands there."""
+        """Invalid parts of a record: a name, and the invalid value."""
         one = next(texture for texture in content["textures"] if texture["sha256"])
         others = [texture for texture in content["textures"] if texture is not one]
         return [("textures", others), ("textures", [*content["textures"], one]), ("seconds", [1]),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""One map baked by several processes: byte for byte the file of one process, whatever the number of shares, their order
-and repetition; shares that are missing, damaged or of another bake are named and made again.
+"""One map baked by several processes gives the bytes of one process, whatever the number of shares, their order and
+repetition. Shares that are missing, damaged or of another bake are named and made again.
 
   tests/cli/farms/map_shard_test.py --programs FOLDER
 """
@@ -19,7 +19,7 @@ import farm_programs
 
 
 def write_tiff(path, width, height):
-    """Writes normals in 8-bit RGB, uncompressed: noise of up to some 14 degrees."""
+    """Writes noisy normals with tilts of up to about 14 degrees in 8-bit RGB, uncompressed."""
     pixels = bytearray(128 + (value - 128) // 4 for value in random.Random(7).randbytes(3 * width * height))
     pixels[2::3] = bytes([250]) * (width * height)
     short, long, entries = 3, 4, []
@@ -97,7 +97,7 @@ class MapShardTest(unittest.TestCase):
         words = ("-o", self.output, "--shard")
         self.assertEqual(farm_programs.run("bake", source, *words, "0/2").returncode, 0)
         times = source.stat()
-        os.utime(source, ns=(times.st_atime_ns, times.st_mtime_ns + 10**9))  # looks changed: hashed anew, the same
+        os.utime(source, ns=(times.st_atime_ns, times.st_mtime_ns + 10**9))  # only the time has changed: the same hash
         self.assertEqual(farm_programs.run("bake", source, *words, "1/2").returncode, 0)
         shutil.copy(self.maps / "map250_normal.png", source)
         done = farm_programs.run("bake", source, *words, "2/2")
@@ -114,11 +114,11 @@ class MapShardTest(unittest.TestCase):
         self.assertIn("unchanged", self.succeed("--shard", "0/2").stdout)
         self.assertEqual(self.share(0, 2).stat().st_mtime_ns, before.st_mtime_ns)
         self.assertIn("written", self.succeed("--shard", "0/2", "--force").stdout)
-        self.assertIn("written", self.succeed("--shard", "0/2", "--lobes", 3).stdout)  # of another bake
+        self.assertIn("written", self.succeed("--shard", "0/2", "--lobes", 3).stdout)  # a share of another bake
 
     def test_what_is_missing_or_damaged_is_named_and_made_again(self):
         self.succeed(output=self.folder / "whole.ndf.exr")
-        done = self.bake("--shard", "1/3")  # before the coarse levels
+        done = self.bake("--shard", "1/3")  # share 1 before share 0, which makes the coarse levels
         self.assertEqual(done.returncode, 4)
         self.assertIn("shared.ndf.exr.shard-0-of-3: does not exist", done.stderr)
         self.assertIn("--shard 0/3 makes it", done.stderr)
@@ -141,7 +141,7 @@ class MapShardTest(unittest.TestCase):
         self.succeed("--shard", "3/3", "--force")
         self.succeed("--merge", 3)
         self.assertEqual(self.output.read_bytes(), (self.folder / "whole.ndf.exr").read_bytes())
-        self.assertIn("unchanged", self.succeed("--merge", 3).stdout)  # all is done, the shares are gone
+        self.assertIn("unchanged", self.succeed("--merge", 3).stdout)  # the merge has finished, and the shares are gone
 
     def test_shares_of_another_bake_are_refused(self):
         for index in range(3):
@@ -207,7 +207,7 @@ class MapShardTest(unittest.TestCase):
         self.assertEqual((whole["shares"], "band_seconds" in whole), (0, False))
         half = 0.6 * whole["processor_seconds"]
         self.assertEqual(json.loads(self.plan("--share-seconds", half, "--json").stdout)["shares"], 2)
-        # No more than the map has room for; and none of what is not divided.
+        # The plan has at most as many shares as the map has room for, and none for a bake that cannot be divided.
         many = json.loads(self.plan("--share-seconds", 0.001, "--json").stdout)["shares"]
         self.assertEqual(self.plan("--shards", many).returncode, 0)
         self.assertEqual(self.plan("--shards", many + 1).returncode, 2)

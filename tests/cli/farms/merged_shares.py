@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What shares of scenes and of inference have in common: their records in OUTPUT/shards, which merges check."""
+"""Common tests for shares of scenes and of inference: their records are in OUTPUT/shards, and merges check them."""
 import hashlib
 import itertools
 import json
@@ -12,7 +12,7 @@ import farm_programs
 
 
 def hashes(folder):
-    """Of the results, by name: what stands for one run beside another. Reports have times."""
+    """Returns the results by name, in a form that is equal for equal runs: reports hold times."""
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
             for path in sorted(folder.rglob("*"))
             if path.is_file() and not {"shards", "frames", "comparison"} & set(path.relative_to(folder).parts)
@@ -20,13 +20,13 @@ def hashes(folder):
 
 
 def signed(record):
-    """As a program would write it that knows the rule, and not what a share makes."""
+    """Writes a record as a program would that knows the format, but not the contents of a share."""
     line = record if isinstance(record, str) else json.dumps(record)
     return f"{line}\n{hashlib.sha256(line.encode()).hexdigest()}\n"
 
 
 class MergedSharesTest(unittest.TestCase):
-    """A subclass says `words`, what is run, and makes `whole`, what one process made."""
+    """A subclass sets `words`, the command to run, and makes `whole`, the results of one process."""
 
     def setUp(self):
         holder = tempfile.TemporaryDirectory()
@@ -42,7 +42,7 @@ class MergedSharesTest(unittest.TestCase):
         return done.stdout
 
     def refused(self, *parts):
-        """By a merge, with exit code 4: worth trying again."""
+        """Expects that a merge refuses with exit code 4, which may be tried again."""
         for folder in ("inferred.json", "plan.json"):
             (self.out / folder).unlink(missing_ok=True)
         done = self.run_command("--merge", 3)
@@ -86,16 +86,16 @@ class MergedSharesTest(unittest.TestCase):
             self.assertEqual(result.read_bytes(), whole)
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
-            self.assertEqual(others, {path: times[path] for path in others})  # it alone was made again
-        for _ in range(2):  # again, as a farm may
+            self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
+        for _ in range(2):  # twice, as a farm may
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)
 
     def hostile_records(self, index):
-        """Texts that are no record of share `index` of 3, whose record is there."""
+        """Returns texts that are not a valid record of share `index` of 3, whose valid record exists."""
         good = self.record(index).read_text()
         line, _ = good.splitlines()
-        self.assertEqual(signed(line), good)  # so that what is refused is not always the hash
+        self.assertEqual(signed(line), good)  # so that checks other than the hash refuse too
         record = json.loads(line)
         content = record["content"]
         texts = ["", "{", good[:len(good) // 2], good + "\n", signed(""), signed("[" * 100000), signed("\x00" * 64),
@@ -111,7 +111,7 @@ class MergedSharesTest(unittest.TestCase):
 
     def check_hostile_records(self):
         self.succeed("--shard", "1-3/3")
-        # Each share has a third of them, since a merge names all that it refuses.
+        # Each share has a third of these texts, because a merge names everything that it refuses.
         thirds = [self.hostile_records(index)[index - 1::3] for index in (1, 2, 3)]
         for texts in itertools.zip_longest(*thirds, fillvalue=""):
             with self.subTest(texts=[text[:200] for text in texts]):

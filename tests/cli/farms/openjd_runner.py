@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a job bundle as the specification of Open Job Description says ("How Jobs Are Run"): parameters, steps after
-those that they depend on, tasks and chunks of them, cancelation, and what tasks print."""
+"""Runs a job bundle by the specification of Open Job Description ("How Jobs Are Run"): parameters, steps after their
+dependencies, tasks and chunks of tasks, cancelation, and the messages that tasks print."""
 import dataclasses
 import pathlib
 import re
@@ -13,7 +13,7 @@ import yaml
 
 @dataclasses.dataclass
 class Task:
-    """A task that was run, or a chunk of them."""
+    """A task or a chunk of tasks that was run."""
     values: dict
     code: int
     text: str
@@ -27,7 +27,7 @@ def loaded(path):
 
 
 def resolved(text, values):
-    """Format strings: {{ NAME }}."""
+    """Replaces format strings: {{ NAME }}."""
     return re.sub(r"\{\{\s*([\w.]+)\s*\}\}", lambda found: values[found.group(1)], text)
 
 
@@ -38,7 +38,7 @@ def numbers(expression):
 
 
 def chunks(values, count):
-    """Contiguous, as "2-4" or "5"."""
+    """A contiguous range, as "2-4" or "5"."""
     groups = [values[i:i + count] for i in range(0, len(values), count)]
     return [f"{group[0]}-{group[-1]}" if len(group) > 1 else f"{group[0]}" for group in groups]
 
@@ -57,7 +57,7 @@ class Bundle:
         self.values[f"Param.{name}"] = value
 
     def steps(self):
-        """In an order in which each comes behind those that it depends on."""
+        """Returns the steps in an order in which each comes after its dependencies."""
         left, done = list(self.template["steps"]), set()
         while left:
             ready = [step for step in left if {one["dependsOn"] for one in step.get("dependencies", [])} <= done]
@@ -80,7 +80,7 @@ class Bundle:
         return [resolved(word, everything) for word in [run["command"], *run.get("args", [])]]
 
     def run(self, chunk_size=1, again=(), order=lambda tasks: tasks):
-        """Every task, once; those of `again` twice. A failed task keeps the steps behind its own from running."""
+        """Runs every task once, and those of `again` twice. After a failed task, later steps do not run."""
         tasks = []
         for step in self.steps():
             for values in order(self.task_values(step, chunk_size)):
@@ -90,7 +90,7 @@ class Bundle:
         return tasks
 
     def run_task(self, step, values, cancel_at=None):
-        """`cancel_at`: a percentage at which the task is canceled."""
+        """`cancel_at`: the percentage at which the task is canceled."""
         task = Task(values, 0, "", [], [], [])
         with subprocess.Popen(self.command(step, values), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               text=True) as child:
@@ -109,7 +109,7 @@ class Bundle:
 
     @staticmethod
     def cancel(step, child):
-        """A notice, and the end after the period."""
+        """Sends a notice, and ends the task after the period."""
         period = step["script"]["actions"]["onRun"]["cancelation"]["notifyPeriodInSeconds"]
         child.send_signal(signal.SIGTERM)
         end = time.monotonic() + period

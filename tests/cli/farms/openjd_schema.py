@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Open Job Description's "Template Schemas", revision 2023-09, sections 1 to 7, and RFC 0001 (TASK_CHUNKING), as JSON
-schemas, of the parts that multum's bundles have: whatever else a template holds is refused."""
+schemas. They cover the parts that multum's bundles use and refuse everything else in a template."""
 
 IDENTIFIER = {"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_]{0,63}$"}  # 7.2
 NAME = {"type": "string", "minLength": 1, "maxLength": 128, "pattern": r"^[^\x00-\x1f\x7f-\x9f]+$"}
@@ -9,7 +9,7 @@ FORMAT_STRING = {"type": "string", "minLength": 1}
 
 
 def closed(required, **optional):
-    """An object of these properties and no others."""
+    """An object with these properties and no others."""
     return {"type": "object", "required": sorted(required), "additionalProperties": False,
             "properties": {**required, **optional}}
 
@@ -50,7 +50,7 @@ TEMPLATE = {"$schema": "http://json-schema.org/draft-07/schema#", **closed(  # 1
     description={"type": "string", "maxLength": 2048},
     parameterDefinitions={"type": "array", "minItems": 1, "maxItems": 50,
                           "items": {"oneOf": [PATH_PARAMETER, STRING_PARAMETER]}})}
-# As AWS Deadline Cloud's job bundles have them.
+# Paths as in AWS Deadline Cloud's job bundles.
 PATHS = {"type": "array", "items": {"type": "string", "pattern": "^/"}}
 VALUES = closed({"parameterValues": {"type": "array", "items": closed(
     {"name": IDENTIFIER, "value": {"type": "string", "maxLength": 1024}})}})

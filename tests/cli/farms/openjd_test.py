@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""multum as a render farm meets it: job bundles of Open Job Description against the published schema, run by what the
-specification says, to the same files as without a farm; shares of several maps; exit codes.
+"""Tests multum on render farms. Job bundles of Open Job Description are checked against the published schema and run by
+the specification, and give the same files as without a farm; shares of several maps; exit codes.
 
   tests/cli/farms/openjd_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -55,7 +55,7 @@ class FarmTest(unittest.TestCase):
         return done
 
     def baked_here(self):
-        """What the manifest's maps become without a farm."""
+        """The results of the manifest's maps without a farm."""
         self.succeed("bake", "--manifest", self.manifest)
         there = contents(self.folder / "out")
         self.assertEqual(len(there), self.maps)
@@ -77,7 +77,7 @@ class FarmTest(unittest.TestCase):
 class SharesTest(FarmTest):
     def test_shares_make_what_one_run_makes(self):
         whole = self.baked_here()
-        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one twice
+        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one of them twice
             self.succeed("bake", "--manifest", self.manifest, "--shard", share)
         self.assertEqual(contents(self.folder / "out"), whole)
 
@@ -169,7 +169,7 @@ class BundleTest(FarmTest):
         self.assertIn("rock_1002.png", task.failures[0])
 
     def test_a_canceled_task_goes_on_where_it_stopped(self):
-        self.succeed("testmap", self.folder / "large", "--size", 2048)  # some seconds: lines are a second apart
+        self.succeed("testmap", self.folder / "large", "--size", 2048)  # takes some seconds: lines come one per second
         file = self.folder / "out/large.ndf.exr"
         bundle, _ = self.bundle("bake", self.folder / "large_normal.png", "-o", file)
         [step] = bundle.steps()
@@ -204,7 +204,7 @@ class BundleTest(FarmTest):
             self.assertFalse((self.folder / "bundle").exists())
 
     def copies(self, count):
-        """Maps with names of their own."""
+        """Writes maps with names of their own."""
         maps = [self.folder / f"m{100 + i}.png" for i in range(count)]
         for one in maps:
             one.hardlink_to(self.folder / "rock_1001.png")
@@ -226,7 +226,7 @@ class BundleTest(FarmTest):
             self.refused("expected at most 49", "export", *maps[:count], "-o", self.folder / "out")
         self.refused("expected at most 49", "bake", *maps[:47], "-o", self.folder / "out", "--roughness", maps[50],
                      "--albedo", maps[51])
-        # What is suggested, and has no limit.
+        # The suggested number of chunks has no limit.
         self.manifest.write_text("".join(f'[[map]]\ninput = "{one.name}"\noutput = "out/{one.stem}.ndf.exr"\n'
                                          for one in maps))
         bundle, said = self.bundle("bake", "--manifest", self.manifest)
@@ -264,7 +264,7 @@ class BundleTest(FarmTest):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(b"is not UTF-8", done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
-        # Of a set no word names the tile.
+        # In a set of tiles, no part of the file name gives this tile.
         os.rename(odd, folder + b"/o\xff_1001.png")
         self.assertEqual(subprocess.run(
             [farm_programs.multum(), "openjd", "-o", self.folder / "bundle", "bake", folder + b"/o\xff_<UDIM>.png",
@@ -294,7 +294,7 @@ class BundleTest(FarmTest):
 
 
 class MergedBundleTest(FarmTest):
-    """Shares with a merge behind them: chunks in any order, one of them twice, make the files of one process."""
+    """Shares followed by a merge: chunks in any order, one of them twice, give the files of one process."""
     maps = 3
 
     def check(self, words, shards):
@@ -331,7 +331,7 @@ class MergedBundleTest(FarmTest):
 
 
 class DocumentTest(unittest.TestCase):
-    """docs/how-to/clusters.md: its example for Kubernetes, by what the API's reference says of batch/v1 Jobs."""
+    """Checks docs/how-to/clusters.md: its example for Kubernetes, against the API's reference for batch/v1 Jobs."""
 
     def test_the_indexed_job(self):
         text = (ROOT / "docs/how-to/clusters.md").read_text()

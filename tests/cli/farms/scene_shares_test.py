@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A scene baked by several processes: the files and the plan of one, whatever the number of shares, their order and
-repetition; what is missing, damaged or hostile is named and made again alone.
+"""A scene baked by several processes gives the files and the plan of one process, whatever the number of shares, their
+order and repetition. Missing, damaged or hostile records are named, and only these are made again.
 
   tests/cli/farms/scene_shares_test.py --programs FOLDER
 """
@@ -27,7 +27,7 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
             farm_programs.run("testmap", cls.folder / f"map{i}", "--size", 32, "--seed", i + 1)
             maps.append((f"wall{i}", f"map{i}", f'albedo = "map{i}_albedo.png"' if i % 2 == 0 else ""))
         cls.scenes = {}
-        # A target chooses lobes by trials; a budget of all maps together has each share plan all of them.
+        # A target chooses lobes by trials. With a common budget for all maps, each share plans all of them.
         for name, budget in (("plain", ""), ("target", "[budget]\ntarget_error = 0.3\n"),
                              ("bytes", "[budget]\nbytes = 90000\n")):
             cls.scenes[name] = cls.folder / f"{name}.toml"
@@ -65,7 +65,7 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
                 self.succeed("--merge", 3)
                 self.assertEqual(merged_shares.hashes(self.out), self.whole)
         plans = [json.loads((self.folder / f"whole-{name}/plan.json").read_text()) for name in ("plain", "bytes")]
-        self.assertLess(plans[1]["bytes"], plans[0]["bytes"])  # the budget did something
+        self.assertLess(plans[1]["bytes"], plans[0]["bytes"])  # the budget changes the result
 
     def test_the_report_has_what_shares_measured(self):
         self.succeed("--shard", "1-3/3")
@@ -83,7 +83,7 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
 
     @staticmethod
     def hostile(content):
-        """Parts of a record that are none: a name, and what stands there."""
+        """Invalid parts of a record: a name, and the invalid value."""
         [one] = content["maps"]
         return [("maps", []), ("maps", [one, one]), ("maps", [{**one, "name": "../wall"}]),
                 ("maps", [{**one, "row": {"name": "other"}}]), ("maps", [{**one, "baked": 3}])]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// traced_folder FOLDER VIEWS LIGHTS: the ray-traced pictures of tests/cli/traced_scene.h, for tests in other languages.
+// traced_folder FOLDER VIEWS LIGHTS: writes the ray-traced pictures of tests/cli/traced_scene.h for Python tests.
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gives each test of this folder a folder of its own."""
+"""Gives each test of this folder its own temporary folder."""
 import os
 import tempfile
 import unittest

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models by three.js in headless Chromium, far and near, and compares each far picture with the mean of many
-// samples a pixel of the first model: what its highlights would be without mips.
+// Draws models by three.js in headless Chromium, far and near. Compares each far picture with the mean of many samples
+// per pixel of the first model, which shows its highlights without mips.
 //
 //   node gltf_drawing.mjs CHROMIUM SCREENSHOT PLAN
 //
-// PLAN: JSON, {"models": [FILE...], "distances": [near, far], "light": [x, y, z]}; the first model is the one before.
+// PLAN: JSON, {"models": [FILE...], "distances": [near, far], "light": [x, y, z]}; the first model is the original.
 // Prints JSON: for each distance and model {"error": mean |picture - reference| over mean reference, "energy": mean
 // picture over mean reference}.
 import { readFile, writeFile } from "node:fs/promises";
@@ -16,7 +16,7 @@ const [executablePath, screenshot, planText] = process.argv.slice(2);
 const plan = JSON.parse(planText);
 const THREE_FOLDER = fileURLToPath(new URL("../../service/web/node_modules/three/", import.meta.url));
 const PICTURES = fileURLToPath(new URL("../../three/linear_pictures.js", import.meta.url));
-const ORIGIN = "http://multum.test/"; // nothing is asked of a network: every request is answered here
+const ORIGIN = "http://multum.test/"; // no network is used: this script answers every request
 
 const PAGE = `<!doctype html><meta charset="utf-8"><style>body{margin:8px;background:#222}
 canvas{image-rendering:pixelated;width:256px;height:256px;margin:4px}</style><div id="all"></div>
@@ -27,7 +27,7 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { compared } from "./linear_pictures.js";
 const plan = ${JSON.stringify({ ...plan, models: plan.models.map((file, i) => `model${i}/${path.basename(file)}`) })};
-const SIDE = 64, SAMPLES = 12; // of a picture; of a pixel each way
+const SIDE = 64, SAMPLES = 12; // of a picture; per pixel in each direction
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
 const ktx2 = new KTX2Loader().setTranscoderPath("./three/examples/jsm/libs/basis/").detectSupport(renderer);
@@ -42,7 +42,7 @@ function draw(scene, camera, side) {
   target.dispose();
   return pixels;
 }
-// Means of SAMPLES x SAMPLES pixels.
+// Returns means of SAMPLES x SAMPLES pixels.
 function averaged(pixels) {
   const side = SIDE * SAMPLES, made = new Float32Array(4 * SIDE * SIDE);
   for (let y = 0; y < side; ++y)

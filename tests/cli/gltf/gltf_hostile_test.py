@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Models that are damaged or made to harm: each is refused with what is wrong, and nothing is left behind.
+"""Damaged and malicious models: each is refused with a message that names the problem, and no file is left behind.
 
   gltf_hostile_test.py MULTUM [unittest's arguments]
 """
@@ -16,7 +16,7 @@ from gltf_test import INPUT_REFUSED, USAGE, ENVIRONMENT, packed, plain_model
 from model_writing import bumps, glb_of
 
 MULTUM = ""
-BROKEN_FILES = 60  # of the last test: a process each
+BROKEN_FILES = 60  # runs of the last test, one process each
 
 
 class HostileTest(unittest.TestCase):
@@ -45,7 +45,7 @@ class HostileTest(unittest.TestCase):
         os.remove(self.path(name))
 
     def changed(self, change):
-        """A good model's GLB after `change(json)`."""
+        """Returns a valid model's GLB after `change(json)`."""
         model = plain_model()
         model.glb()
         change(model.json)
@@ -171,13 +171,13 @@ class HostileTest(unittest.TestCase):
         text = json.dumps(model.json).encode()
         for number in range(BROKEN_FILES):
             data = bytearray(good)
-            if number % 3 == 0:  # numbers of the JSON, which stays JSON
+            if number % 3 == 0:  # changes numbers; the JSON stays valid
                 numbers = [i for i, c in enumerate(text) if chr(c).isdigit()]
                 changed = bytearray(text)
                 for _ in range(2):
                     changed[rng.choice(numbers)] = ord(rng.choice("0123456789"))
                 data = glb_of(bytes(changed), model.bytes)
-            elif number % 3 == 1:  # any byte of the frame and the JSON
+            elif number % 3 == 1:  # changes any byte of the frame and the JSON
                 for _ in range(3):
                     data[rng.randrange(20 + len(text))] = rng.randrange(256)
             else:  # the images

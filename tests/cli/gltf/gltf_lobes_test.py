@@ -30,7 +30,7 @@ NAME = "MULTUM_lobes"
 
 
 def key_of(data, key=b"multumLobes"):
-    """The form of a KTX2 file, its layers, and the JSON of its key."""
+    """Returns the form of a KTX2 file, its layers, and the JSON of its key."""
     assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     form, _, _, _, _, layers, _, _, scheme = struct.unpack("<9I", data[12:48])
     at, length = struct.unpack("<2I", data[56:64])
@@ -74,7 +74,7 @@ class GltfLobesTest(FolderCase):
         self.assertNotIn(NAME, after.json["extensionsRequired"])
         extension = after.json["materials"][0]["extensions"][NAME]
         self.assertEqual(extension, {"lobes": 0, "roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 1}})
-        # The surface's own roughness is the image that was there, where it was.
+        # The surface's own roughness image stays unchanged in its place.
         self.assertEqual(after.json["textures"][1], before["textures"][1])
         self.assertEqual(after.image(1), packed(16, 8))
         form, layers, scheme, key = key_of(self.lobes_of(after, 0))
@@ -83,7 +83,7 @@ class GltfLobesTest(FolderCase):
         self.assertEqual((key["wrapS"], key["wrapT"], len(key["lobes"])), ("periodic", "periodic", 4))
         self.assertEqual(report["textures"][0]["bytes"]["lobes"], len(self.lobes_of(after, 0)))
         self.assertTrue(report["lobes"])
-        # Without the extension it is what it would be without --lobes.
+        # Without the extension, the material equals the result of a run without --lobes.
         here, there = after.json["materials"][0], plain.json["materials"][0]
         self.assertEqual(set(here) - set(there), {"extensions"})
         for place in (("normalTexture",), ("pbrMetallicRoughness", "metallicRoughnessTexture"), ("occlusionTexture",)):
@@ -104,10 +104,10 @@ class GltfLobesTest(FolderCase):
             self.assertEqual((found, layers), expected, arguments)
             storage = report["textures"][0]["storage"]["lobes"]
             points[storage["format"]] = storage["points"]
-        # What storing adds to a picture's error.
+        # The error that storing adds to a picture.
         self.assertLess(points["rgba8"], 0.5 * points["bc"])
         self.assertLess(points["rgba16f"], 0.1 * points["bc"])
-        # Nobody asked: blocks, but not where they show.
+        # Without an option, blocks are chosen unless their error is visible.
         for steepness, expected, texels in ((0.1, "bc", BC5), (0.6, "rgba8", RGBA8)):
             after, report = self.convert(plain_model(normal=bumps(64, 64, steepness)), "--lobes", form="png")
             storage = report["textures"][0]["storage"]["lobes"]
@@ -142,11 +142,12 @@ class GltfLobesTest(FolderCase):
                                       {"lobes": 1, "roughnessFactor": 0.7}, None])
         self.assertEqual(len(report["textures"]), 2)
         self.assertEqual(key_of(self.lobes_of(after, 1))[3]["wrapT"], "clamp")
-        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map; roughness is not in it
+        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map, without roughness in it
 
     def coloured(self, *colours):
-        """The file after, its first lobes and the report, of steep facets, a material for each of `colours`: facets
-        that look right are bright ("with"), any are ("against"), or the colours have another size ("small")."""
+        """Converts steep facets with one material for each of `colours`. Facets that look right are bright ("with"),
+        any facets are ("against"), or the colours have another size ("small"). Returns the file, its first lobes, the
+        report."""
         side, rng = 64, random.Random(5)
         slopes = [[(rng.gauss(0, 0.6), rng.gauss(0, 0.6)) for _ in range(side)] for _ in range(side)]
         chance = [[rng.random() < 0.5 for _ in range(side)] for _ in range(side)]
@@ -195,7 +196,7 @@ class GltfLobesTest(FolderCase):
         self.assertTrue(form["lobe_colours"])
         own, mean = (form["errors"][name][-1] for name in ("lobe_colours_4", "mean_colour_4"))
         self.assertLess(own, 0.9 * mean)
-        # Again, from the file that has them: nothing is lost.
+        # A second run on a file that already has lobes loses nothing.
         self.assertEqual(self.run_gltf("out.glb", "again.glb", "--lobes").returncode, 0)
         again = Glb(self.read("again.glb"))
         self.assertEqual(again.view(again.json["extensions"][NAME]["lobes"][0]["colours"]["bufferView"]), data)
@@ -203,7 +204,7 @@ class GltfLobesTest(FolderCase):
     @unittest.skipUnless(shutil.which("node") and (MODULES / "three").is_dir(),
                          "no npm packages: tools/install_dependencies test")
     def test_colours_of_lobes_are_drawn(self):
-        """A reader that does not know them has the higher error."""
+        """Readers that do not support the lobes have the higher error."""
         self.coloured("with")
         known = self.read("out.glb")
         self.assertEqual(known.count(b'"colours"'), 1)
@@ -276,7 +277,7 @@ class GltfLobesTest(FolderCase):
         self.draw()
 
     def drawn(self, plan):
-        """What model_pictures.mjs says of a plan's pictures."""
+        """Returns the output of model_pictures.mjs for a plan's pictures."""
         with open(self.path("plan.json"), "w", encoding="utf-8") as file:
             json.dump(plan, file)
         subprocess.run([MULTUM, "shaders", "-o", self.path("shaders"), "--quiet"], check=True)
@@ -293,7 +294,8 @@ class GltfLobesTest(FolderCase):
         return found
 
     def draw(self):
-        """Far away lobes are nearer to many samples a pixel than one lobe is, and both than plain mips."""
+        """From far away, lobes have a lower error against many samples per pixel than one lobe; plain mips have the
+        highest error."""
         run = self.run_gltf("in.glb", "mips.glb", "--lobes")
         self.assertEqual(run.returncode, 0, run.stderr)
         view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what readers that are not ours find in GLB files: gltf-validator's issues, and of each KTX2 image what
-// ktx-parse reads. JSON, an array of one object a file.
+// Prints what independent readers find in GLB files: gltf-validator's issues, and for each KTX2 image what ktx-parse
+// reads. Prints a JSON array with one object per file.
 //
 //   node gltf_reading.mjs FILE...
 import { readFileSync } from "node:fs";

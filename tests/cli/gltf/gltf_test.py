@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of docs/reference/gltf.md on models that are made here, one rule a model: what is fitted together, what
-is in
-textures after, what stays as it was.
+"""Tests the rules of docs/reference/gltf.md, one generated model per rule: which materials are fitted together, what
+the new textures hold, and what stays unchanged.
 
   gltf_test.py MULTUM [unittest's arguments]
 """
@@ -27,7 +26,7 @@ LINEAR = 9729
 
 
 def packed(width, height, texel=None):
-    """Occlusion, roughness and metalness."""
+    """Returns codes of occlusion, roughness and metalness."""
     return png(width, height, texel or (lambda x, y: (255 - 3 * (x % 64), 60 + 40 * ((x + y) % 2), 255 * (x % 2))))
 
 
@@ -58,7 +57,7 @@ class GltfTest(FolderCase):
                                *arguments], capture_output=True, text=True, check=False, timeout=300)
 
     def convert(self, model, *arguments, source="in.glb", form="one-lobe"):
-        """The model after, and the report."""
+        """Returns the converted model and the report."""
         if isinstance(model, Model):
             self.write(source, model.glb())
         run = self.run_gltf("--format", "rgba8", "--report", self.path("report.json"), *arguments, source=source,
@@ -68,7 +67,7 @@ class GltfTest(FolderCase):
         return Glb(self.read("out.glb")), json.loads(self.read("report.json"))
 
     def assert_kept(self, model, *words):
-        """Nothing is fitted, and the JSON is what it was but for its buffer."""
+        """Expects that no material is fitted and that the JSON is unchanged except for its buffer."""
         before = copy.deepcopy(model.json)
         after, report = self.convert(model)
         for word in words:
@@ -94,7 +93,7 @@ class GltfTest(FolderCase):
         self.assertEqual(len(after.json["bufferViews"]), len(before["bufferViews"]))
         self.assertEqual(after.json["samplers"], [{**before["samplers"][0], "minFilter": MIPMAPPED}])
         self.assertEqual(after.json["extensionsRequired"], ["KHR_texture_basisu"])
-        # The old images are gone from the bytes; the mesh's are what they were.
+        # The old images are removed from the bytes; the mesh data is unchanged.
         self.assertNotIn(b"IHDR", after.bytes)
         source = Glb(self.read("in.glb"))
         for accessor in before["accessors"]:
@@ -104,7 +103,7 @@ class GltfTest(FolderCase):
         normal, surface = after.levels(0), after.levels(1)
         self.assertEqual([(level.width, level.height) for level in normal],
                          [(16, 8), (8, 4), (4, 2), (2, 1), (1, 1)])
-        # Level 0 is what the images had; levels after are rougher, their occlusion and metalness averages.
+        # Level 0 has the images' values. Later levels are rougher; their occlusion and metalness are averages.
         self.assertEqual(surface[0].at(4, 2)[:3], (255 - 12, 60, 0))
         self.assertEqual(surface[0].at(5, 2)[:3], (255 - 15, 100, 255))
         for channel in (0, 2):
@@ -119,7 +118,7 @@ class GltfTest(FolderCase):
         self.assertIn("outside of KHR_texture_basisu", self.messages)
 
     def test_level_0_of_normals_stays_as_it_was(self):
-        """Also vectors that are no unit vectors, whose directions another rounding would turn."""
+        """Includes vectors that are not unit vectors, whose directions another rounding would change."""
         def texel(x, y):
             length = 0.93 + 0.01 * x
             return code(0.3 * length), code(0.1 * (y % 3) * length), code(0.93 * length)
@@ -144,7 +143,7 @@ class GltfTest(FolderCase):
         self.assertAlmostEqual(red, code(0.6 / length), delta=1)
         self.assertAlmostEqual(green, code(0.0), delta=1)
         self.assertAlmostEqual(blue, code(math.sqrt(1 - 0.09) / length), delta=1)
-        # Every normal is the same, so no level is rougher than the surface.
+        # All normals are equal, so no level is rougher than the surface.
         for level in after.levels(1):
             self.assertEqual(level.at(0, 0)[:3], (255, 64, 200))
         self.assertEqual(len(report["materials"][0]["notes"]), 2)
@@ -165,7 +164,7 @@ class GltfTest(FolderCase):
         levels = after.levels(1)
         self.assertEqual(levels[0].at(3, 3)[:3], (255, 102, 255))
         self.assertGreater(levels[3].at(0, 0)[1], 130)
-        # A texture without a sampler is given one that repeats, as none does.
+        # A texture without a sampler gets one that repeats, which is glTF's default.
         self.assertEqual(after.json["samplers"], [{"magFilter": LINEAR, "minFilter": MIPMAPPED}])
 
     def test_a_dull_surface_needs_no_roughness(self):
@@ -188,7 +187,7 @@ class GltfTest(FolderCase):
         model = plain_model()
         model.json["textures"][1]["sampler"] = model.sampler(wrapS=CLAMP)
         self.assert_kept(model, "wraps")
-        # A transform that both have is kept, and one that does nothing is as none.
+        # A transform that both textures have is kept, and an identity transform counts as none.
         for both in (transform, {"extensions": {"KHR_texture_transform": {}}}):
             model = plain_model()
             model.json["materials"][0]["normalTexture"].update(both)
@@ -226,7 +225,7 @@ class GltfTest(FolderCase):
     def test_one_bad_map_leaves_the_others(self):
         grey = png(16, 16, lambda x, y: (128, 128, 128))
         slopes = bumps(32, 32, 0.3)
-        # Occlusion where z should be.
+        # A map with occlusion in blue, where z should be.
         packed_blue = png(32, 32, lambda x, y: (code(0.3 * math.sin(0.6 * x)), code(0.3 * math.sin(0.6 * y)),
                                                 round(150 + 50 * math.sin(0.2 * x) + 55 * math.cos(0.3 * y))))
         for bad, scale, options, word in ((grey, 1.0, (), "grey"), (slopes, 1e300, (), "scale is 1e+300"),
@@ -247,14 +246,14 @@ class GltfTest(FolderCase):
                 self.assertNotIn("--green", self.messages)
                 self.assertEqual(after.json["materials"][1], model.json["materials"][1])
                 self.assertEqual(after.image(texture), bad)
-        # Blue that stores z from 0 to 1 is found and said.
+        # A blue channel that stores z as 0 to 1 is found and reported.
         steep = [[math.sin(0.4 * x), math.cos(0.3 * y), 1.0] for y in range(32) for x in range(32)]
         lengths = [math.sqrt(sum(v * v for v in n)) for n in steep]
         self.convert(plain_model(normal=png(32, 32, lambda x, y: (
             code(steep[32 * y + x][0] / lengths[32 * y + x]), code(steep[32 * y + x][1] / lengths[32 * y + x]),
             round(255 / lengths[32 * y + x])))))
         self.assertIn("z from 0 to 1", self.messages)
-        # Advice of other commands is left out.
+        # The message must not advise options of other commands.
         self.convert(plain_model(normal=bumps(32, 32, -0.6)))
         self.assertNotIn("--green", self.messages)
 
@@ -263,7 +262,7 @@ class GltfTest(FolderCase):
         first = model.json["materials"][0]
         model.json["materials"] += [copy.deepcopy(first) for _ in range(3)]
         model.json["materials"][2]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5
-        # Another texture of the same image, sampled alike, is the same too.
+        # Another texture with the same image and an equal sampler counts as the same texture.
         model.json["materials"][3]["normalTexture"]["index"] = model.texture(0, sampler=0)
         after, report = self.convert(model)
         self.assertEqual([one["textures"] for one in report["materials"]], [0, 0, 1, 0])
@@ -274,7 +273,7 @@ class GltfTest(FolderCase):
         one, other = (m["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] for m in materials[1:3])
         self.assertEqual(one, 1)
         self.assertAlmostEqual(after.levels(other)[0].mean(1), after.levels(one)[0].mean(1) / 2, delta=1)
-        # The texture that gave way shows the same image.
+        # The merged texture shows the same image.
         basis = [t["extensions"]["KHR_texture_basisu"]["source"] for t in after.json["textures"]]
         self.assertEqual(basis[2], basis[0])
 
@@ -295,7 +294,7 @@ class GltfTest(FolderCase):
         self.assertEqual(material["pbrMetallicRoughness"]["baseColorTexture"], {"index": 1})
         self.assertEqual(material["occlusionTexture"], {"index": 1, "texCoord": 1})
         self.assertEqual(material["pbrMetallicRoughness"]["metallicRoughnessTexture"], {"index": 2})
-        # Red is nobody's occlusion there; the old sampler is as it was.
+        # Red is not used as occlusion there; the old sampler is unchanged.
         self.assertEqual(after.levels(2)[0].at(5, 2)[:3], (255, 100, 255))
         self.assertEqual(after.json["samplers"][0], before["samplers"][0])
         self.assertEqual(after.json["samplers"][after.json["textures"][2]["sampler"]]["minFilter"], MIPMAPPED)
@@ -304,7 +303,7 @@ class GltfTest(FolderCase):
     def test_what_is_not_known_is_not_touched(self):
         model = plain_model()
         before_views = len(model.json["bufferViews"])
-        for index in (0, before_views - 2):  # a texture's index; a buffer view's
+        for index in (0, before_views - 2):  # index of a texture; of a buffer view
             with self.subTest(index=index):
                 model = plain_model()
                 model.json["extensionsUsed"] = ["ACME_thing"]
@@ -327,7 +326,7 @@ class GltfTest(FolderCase):
         model.json["accessors"][0]["extras"] = {"index": 0, "bufferView": 77, "text": "gr\u00fc\u00df", "big": 2**60,
                                                 "small": 1e-300, "none": None, "deep": [[[]], {}]}
         shared = model.json["bufferViews"][model.json["images"][0]["bufferView"]]
-        # Another view of bytes that an image has too: they stay.
+        # An additional view of an image's bytes: the bytes stay.
         model.json["bufferViews"].append({**shared, "name": "the same"})
         model.json["bufferViews"].append({**shared, "byteOffset": shared["byteOffset"] + 20, "byteLength": 30})
         interleaved = model.view(bytes(range(96)), byteStride=24, target=34962)
@@ -386,7 +385,7 @@ class GltfTest(FolderCase):
             after, report = self.convert(model)
             level = after.levels(1)[0]
             self.assertEqual((level.width, level.height), (8, 8))
-            # A quarter of a texel beyond the border: the border itself, or the other side.
+            # A quarter of a texel beyond the border: either the border itself or the opposite side.
             self.assertAlmostEqual(level.at(0, 3)[1], expected, delta=1)
             self.assertAlmostEqual(level.at(2, 3)[1], 160, delta=1)
             self.assertIn("one size", report["materials"][0]["notes"][0])
@@ -415,7 +414,7 @@ class GltfTest(FolderCase):
         self.assertIn("KHR_materials_anisotropy", after.json["extensionsUsed"])
         self.assertNotIn("KHR_materials_anisotropy", after.json["extensionsRequired"])
         red, green, blue, _ = after.levels(extension["anisotropyTexture"]["index"])[2].at(1, 1)
-        self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, which the normals lean to
+        self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, the direction of the tilts
         self.assertAlmostEqual(2 * green / 255 - 1, 0.0, delta=0.05)
         self.assertGreater(blue, 150)
         for transform in ({"rotation": 1.0}, {"scale": [-1.0, 1.0]}, {"scale": [1.0, -1.0]}):
@@ -435,7 +434,7 @@ class GltfTest(FolderCase):
         self.assertIn("its own maps stay", report["materials"][0]["form"])
         self.assertEqual(report["textures"], [])
         self.assertEqual(after.json["textures"], model.json["textures"])
-        # Its sampler had no mips.
+        # The original sampler had no mips.
         self.assertEqual([sampler["minFilter"] for sampler in after.json["samplers"]], [MIPMAPPED])
 
     def test_steep_bumps_get_what_is_nearer(self):
@@ -450,7 +449,7 @@ class GltfTest(FolderCase):
         for plain, chosen in zip(errors["plain"], errors["chosen"]):
             self.assertLessEqual(chosen, plain + 0.11)
         self.assertLess(sum(errors["chosen"]), 0.95 * sum(errors["plain"]))
-        # The textures hold what was chosen: roughness of the coarsest level is above the map's own.
+        # The textures hold the chosen values: the roughness of the coarsest level is above the map's own.
         surface = after.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"]
         roughness = [level.mean(1) for level in after.levels(surface)]
         self.assertEqual(roughness[0], 60)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes glTF models for tests, and reads GLB and KTX2 files of RGBA, with Python's standard library alone."""
+"""Writes glTF models for tests, and reads GLB and RGBA KTX2 files, with only Python's standard library."""
 import base64
 import json
 import math
@@ -11,7 +11,7 @@ FLOAT, UNSIGNED_SHORT = 5126, 5123
 
 
 def png(width, height, texel):
-    """8 bits, RGB; `texel(x, y)`: three codes."""
+    """Returns an 8-bit RGB PNG; `texel(x, y)` returns three codes."""
     rows = b"".join(b"\0" + bytes(code for x in range(width) for code in texel(x, y)) for y in range(height))
 
     def chunk(kind, data):
@@ -26,7 +26,7 @@ def code(component):
 
 
 def bumps(width, height, steepness=0.6, seed=1):
-    """A normal map whose slopes differ from texel to texel."""
+    """Returns a normal map whose slopes vary from texel to texel."""
     rng = random.Random(seed)
     slopes = [[(rng.gauss(0, steepness), rng.gauss(0, steepness)) for _ in range(width)] for _ in range(height)]
 
@@ -39,7 +39,7 @@ def bumps(width, height, steepness=0.6, seed=1):
 
 
 class Model:
-    """A model that is put together piece by piece; all bytes lie in buffer 0 unless an image is given a URI."""
+    """A model that is built piece by piece. All bytes are in buffer 0, except for images with a URI."""
 
     def __init__(self):
         self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
@@ -61,7 +61,7 @@ class Model:
         return len(self.json["accessors"]) - 1
 
     def square(self, material=0, sets=1, repeats=1.0):
-        """A square of two triangles, with tangents."""
+        """Adds a square of two triangles, with tangents."""
         corners = [(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)]
         coordinates = [(0.5 * repeats * (x + 1), 0.5 * repeats * (1 - y)) for x, y, _ in corners]
         attributes = {"POSITION": self.accessor("VEC3", corners, min=[-1, -1, 0], max=[1, 1, 0]),
@@ -98,14 +98,14 @@ class Model:
         return glb_of(json.dumps(self.json).encode(), self.bytes)
 
     def gltf(self, uri=None):
-        """With the bytes in a data URI, or in the file that `uri` names."""
+        """Returns JSON with the bytes in a data URI, or in the file that `uri` names."""
         data = "data:application/octet-stream;base64," + base64.b64encode(self.bytes).decode()
         self.json["buffers"] = [{"byteLength": len(self.bytes), "uri": uri or data}]
         return json.dumps(self.json).encode()
 
 
 def glb_of(text, data, length=None, json_length=None, data_length=None):
-    """A GLB of these chunks; lengths that are given stand in place of the right ones."""
+    """Returns a GLB of these chunks; given lengths replace the right ones."""
     text += b" " * (-len(text) % 4)
     padded = data + b"\0" * (-len(data) % 4)
     chunks = struct.pack("<I4s", len(text) if json_length is None else json_length, b"JSON") + text
@@ -138,7 +138,7 @@ class Glb:
         return data[begin:begin + view["byteLength"]]
 
     def image(self, texture):
-        """Bytes of a texture's image."""
+        """Returns the bytes of a texture's image."""
         texture = self.json["textures"][texture]
         basis = texture.get("extensions", {}).get("KHR_texture_basisu", {})
         return self.view(self.json["images"][basis.get("source", texture.get("source"))]["bufferView"])
@@ -161,7 +161,7 @@ class Level:
 
 
 def rgba_levels(data):
-    """Of a KTX2 file of RGBA of 8 bits: all levels, which must be all there are."""
+    """Returns all levels of an RGBA KTX2 file with 8 bits per channel; the file must hold a full mip chain."""
     assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     form, _, width, height, _, _, _, count, scheme = struct.unpack("<9I", data[12:48])
     assert (form, scheme) == (37, 0)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Two users of one machine: one plants links, folders and pipes where the other bakes. Nothing of the other's is lost,
-and nobody's output leads elsewhere. Needs root, to be both users; says so and skips otherwise (exit code 77).
+"""Two users of one machine: one plants links, folders and pipes where the other bakes. The other user loses no file,
+and no output is led elsewhere. Needs root to become both users; otherwise it says so and is skipped (exit code 77).
 
   other_users_test.py MULTUM [unittest's arguments]
 """
@@ -20,12 +20,12 @@ from model_writing import Model, bumps  # noqa: E402  pylint: disable=wrong-impo
 MULTUM = ""
 SKIPPED = 77
 ENVIRONMENT, USAGE = 4, 2
-BAKER, ATTACKER = 12345, 54321  # users that need no account
+BAKER, ATTACKER = 12345, 54321  # user numbers that need no account
 PRECIOUS = "weeks of work"
 
 
 def as_user(user, function):
-    """Runs a function in a child of that user; what it raises is its exit code."""
+    """Runs a function in a child process of that user. The child's exit code shows what the function raised."""
     child = os.fork()
     if child == 0:
         code = 1
@@ -69,7 +69,7 @@ class OtherUsersTest(unittest.TestCase):
         shutil.rmtree(cls.top)
 
     def setUp(self):
-        """A folder as /tmp is, and one as studios share it, where everybody may rename what lies there."""
+        """A folder like /tmp, and a folder as studios share it, where everybody may rename files."""
         self.shared = {}
         for name, mode in (("sticky", 0o1777), ("open", 0o777)):
             folder = os.path.join(self.top, name)
@@ -104,7 +104,7 @@ class OtherUsersTest(unittest.TestCase):
             self.assertEqual(file.read(), PRECIOUS)
 
     def commands(self, folder):
-        """Command lines that keep unfinished work next to their outputs, and that folder's name."""
+        """Command lines that keep unfinished work next to their outputs, and the name of that folder."""
         def at(name):
             return os.path.join(folder, name)
         return [(["bake", "map.png", "-o", at("a.ndf.exr")], at(".multum-partial-a.ndf.exr")),
@@ -174,7 +174,7 @@ class OtherUsersTest(unittest.TestCase):
         self.assertIn(output, run.stderr)
 
     def test_names_of_temporary_files_are_stolen_as_they_appear(self):
-        """The other user replaces each temporary file by a link, as quickly as names can be read."""
+        """The other user replaces each temporary file by a link, as fast as it can read names."""
         folder = self.shared["open"]
         thesis = os.path.join(self.precious, "thesis.txt")
         thief = os.fork()
@@ -204,7 +204,7 @@ class OtherUsersTest(unittest.TestCase):
         finally:
             os.kill(thief, 9)
             os.waitpid(thief, 0)
-        self.assertIn(ENVIRONMENT, outcomes, "the thief was never quick enough: nothing was tried")
+        self.assertIn(ENVIRONMENT, outcomes, "the thief was never fast enough, so nothing was tested")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ class CosineStream:
         for number in range(self.columns * self.rows):
             row, column = divmod(number, self.columns)
             self.groups[row // 4 * self.group_columns + column // 4].append(number)
-        self.before = None  # the image decoded last
+        self.before = None  # the image that was decoded last
 
     def image(self, parent, level):
         """[plane]{block number: values}; blocks of zeros are left out."""
@@ -80,7 +80,7 @@ class CosineStream:
         return values is not None and any(values[at] for at in self.bands[band])
 
     def block(self, around, has_parent, plane, level, is_only):
-        """None where it has nothing."""
+        """Returns None if the stream is empty."""
         left, up, parent, luma = around
         chroma, level = min(plane, 1), min(level, 3)
         above = 2 if not has_parent else 0 if parent is None else 1
@@ -90,7 +90,7 @@ class CosineStream:
                                                  ("coded b", plane, level, 0 if luma is None else 1),
                                                  ("coded c", chroma, level, beside)], ("coded", chroma)):
             return None
-        had, before = 0, 0  # in the band before, in any before
+        had, before = 0, 0  # in the previous band, in any earlier band
         for k in range(len(self.bands)):
             has = 1
             if k + 1 < len(self.bands) or before:

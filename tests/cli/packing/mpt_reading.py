@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads packed fields, NAME.mpt, by docs/reference/packed_fields.md, "Packed fields", alone: Python and numpy.
+"""Reads packed fields, NAME.mpt, by docs/reference/packed_fields.md, "Packed fields", with only Python and numpy.
 
-Used as a program it writes 32-bit floats one after another:
-    mpt_reading.py FILE OUTPUT           of every chunk, in the index's order, the texture of every sample, gamma-coded,
-                                         [height][width][3]; a line of JSON says which chunks
-    mpt_reading.py --field FILE OUTPUT   of every layer and every sample of the description that has a texture of it
-                                         radiance with all mip levels, the finest first
+As a program it writes 32-bit floats one after another:
+    mpt_reading.py FILE OUTPUT           the texture of every sample of every chunk, in the index's order, gamma-coded,
+                                         [height][width][3]; prints a line of JSON about the chunks
+    mpt_reading.py --field FILE OUTPUT   radiance with all mip levels, finest first, of every layer and every sample of
+                                         the description that has a texture
 """
 import json
 import struct
@@ -21,7 +21,7 @@ SINGLE = np.float32
 
 
 class ByteReader:
-    """Numbers from bytes; refuses to read beyond them."""
+    """Reads numbers from bytes, and refuses to read beyond their end."""
 
     def __init__(self, data):
         self.data, self.at = data, 0
@@ -112,14 +112,15 @@ class PackedField:
         return [(item, layer) for item in self.description["objects"] for layer in item["layers"]]
 
     def chunk(self, layer, block):
-        """None where there is none: no sample of the block has a texture."""
+        """None if no sample of the block has a texture."""
         for section in self.sections:
             if (section.kind, section.layer, section.block) == (1, layer, block):
                 return TextureChunk(self.bytes_of(section))
         return None
 
     def place_of(self, layer, sample):
-        """(block, texture of its chunk) of a sample, an index into the description's; None where it has no texture."""
+        """(block, texture of its chunk) of a sample, an index into the description; None if the sample has no
+        texture."""
         described = self.layers()[layer][1]
         if sample in described["unseen"]:
             return None
@@ -166,7 +167,7 @@ class TextureChunk:
             self.steps = np.array([eighths(codes[band_of(u)] + codes[classes + band_of(v)])
                                    for v in range(self.side) for u in range(self.side)], SINGLE)
         self.scales, self.levels, parents = [], [], []
-        self.terms = [[] for _ in range(self.count)]  # (image, weight) of each sample
+        self.terms = [[] for _ in range(self.count)]  # (image, weight) for each sample
         if has_basis:
             self.plan_basis(basis, parents)
         else:
@@ -197,7 +198,7 @@ class TextureChunk:
                     parents.append(None)
                     continue
                 at = np.unravel_index(number, [self.cells(d, t) for d, t in enumerate(times)])
-                inside = [int(i) << t for i, t in zip(at, times)]  # a sample of the image's cell
+                inside = [int(i) << t for i, t in zip(at, times)]  # a sample in the image's cell
                 parents.append(first[level - 1] + self.image_at(halvings[level - 1], inside))
             for sample in range(self.count):
                 at = [int(i) for i in np.unravel_index(sample, self.sizes)]
@@ -214,7 +215,7 @@ class TextureChunk:
         return number
 
     def between(self, times, at):
-        """The images of a level between whose cells' middles a sample lies."""
+        """Returns the two images of a level whose cell centres enclose the sample."""
         terms = [(0, SINGLE(1))]
         for d, t in enumerate(times):
             count = self.cells(d, t)
@@ -267,7 +268,7 @@ def radiance(texture):
 
 
 def box_weights(fine):
-    """[floor(fine / 2)][fine]: what each coarse texel takes of the fine ones along an axis."""
+    """[floor(fine / 2)][fine]: the weights of fine texels in each coarse texel along an axis."""
     coarse = max(1, fine // 2)
     weights = np.zeros((coarse, fine))
     for i in range(coarse):
@@ -278,7 +279,7 @@ def box_weights(fine):
 
 
 def mip_levels(finest):
-    """[height][width][3] of every level of radiance, the finest first."""
+    """[height][width][3] of every level of radiance, finest first."""
     levels = [finest]
     while levels[-1].shape[:2] != (1, 1):
         height, width = levels[-1].shape[:2]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads the symbols of packed fields by docs/reference/packed_fields.md, "Symbols": range coder, contexts and mixers,
-in integers only."""
+with only integers."""
 
 LOGISTIC = [22, 28, 36, 47, 60, 77, 98, 126, 162, 208, 267, 342, 439, 562, 720, 922, 1179, 1506, 1921, 2446, 3108, 3938,
             4971, 6249, 7812, 9702, 11955, 14595, 17625, 21025, 24743, 28693, 32768, 36843, 40793, 44511, 47911, 50941,
@@ -26,12 +26,12 @@ STRETCH = stretch_table()
 
 
 def quotient(a, b):
-    """Towards zero, b > 0."""
+    """Divides, rounding towards zero, b > 0."""
     return a // b if a >= 0 else -(-a // b)
 
 
 class SymbolDecoder:
-    """Contexts and mixers are made when they are first named."""
+    """Contexts and mixers are made at their first use."""
 
     def __init__(self, data):
         self.data, self.next, self.range, self.code = data, 0, 0xffffffff, 0

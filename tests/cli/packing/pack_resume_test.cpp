@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack within memory and after a stop: the same bytes, whatever is read again or was coded before.
+// multum pack within a memory limit and after a stop: gives the same bytes, whatever it reads again or reuses.
 #include <signal.h>
 
 #include <chrono>
@@ -34,7 +34,7 @@ class PackResumeTest : public TracedSceneTest {
     return read_bytes(how.output);
   }
   std::string partial(const std::string& file) const { return path(".multum-partial-" + file); }
-  /// Stops a packing when it has coded so many chunks.
+  /// Stops a packing after it has coded this many chunks.
   void stop_after(std::uint64_t chunks, const FieldPackSettings& how) const {
     std::uint64_t most = 0;
     Progress progress([&](const ProgressEvent& event) {
@@ -74,11 +74,11 @@ TEST_F(PackResumeTest, WhatWasCodedIsTakenUp) {
   EXPECT_FALSE(fs::exists(partial("whole.mpt")));
   FieldPackSettings how = settings("field.mpt");
   stop_after(5, how);
-  EXPECT_FALSE(fs::exists(partial("field.mpt"))) << "nobody said that it goes on";
+  EXPECT_FALSE(fs::exists(partial("field.mpt"))) << "without resume no partial work is kept";
   how.resume = true;
   stop_after(5, how);
   ASSERT_TRUE(fs::exists(partial("field.mpt") + "/chunks"));
-  stop_after(8, how);  // the five of before count
+  stop_after(8, how);  // includes the five earlier chunks
   const FieldPackReport report = pack_field(how, nullptr);
   EXPECT_GE(report.chunks_resumed, 7u);
   EXPECT_EQ(read_bytes(how.output), whole);
@@ -121,7 +121,7 @@ TEST_F(PackResumeTest, AKilledPackingGoesOn) {
   };
   while (packing.running() && coded() < 1000) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   packing.send(SIGKILL);
-  ASSERT_EQ(packing.wait().signal, SIGKILL) << "packing was quicker than the kill";
+  ASSERT_EQ(packing.wait().signal, SIGKILL) << "packing ended before the kill";
   EXPECT_FALSE(fs::exists(path("field.mpt")));
   ProgramResult result = multum(
       {"pack", path("out"), "-o", path("field.mpt"), "--resume", "--mse-max", "0.002", "-v", "--pyramid", "greedy"});

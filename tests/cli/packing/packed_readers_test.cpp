@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields as others read them: Python by docs/reference/packed_fields.md alone (mpt_reading.py), and the decoder
-// compiled to WebAssembly (tools/wasm_decoder), in Node. Chunks of every kind that a file may have, and a field that
-// multum packed.
+// Packed fields in independent readers: Python by docs/reference/packed_fields.md (mpt_reading.py), and the decoder as
+// WebAssembly in Node (tools/wasm_decoder). Reads chunks of every kind that a file may have, and a field that multum
+// packed.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -41,7 +41,7 @@ std::vector<ChunkKind> all_kinds() {
     kinds.push_back({width, height, std::move(sizes), settings});
     return kinds.back().settings;
   };
-  // Magnitudes up to some thousands, odd sizes and single rows; coarse ones, of which planes and bands are empty.
+  // Magnitudes up to some thousands, odd sizes and single rows; coarse images whose planes and bands are empty.
   add(21, 9, {3, 2}, ImageCoder::kDct, 8, 0.01).levels = plain_levels({3, 2});
   add(40, 19, {5}, ImageCoder::kDct, 16, 2.0).levels = {{3}, {1}, {0}};
   kinds.back().settings.linear = true;
@@ -55,7 +55,7 @@ std::vector<ChunkKind> all_kinds() {
   return kinds;
 }
 
-/// Colours that drift over the samples, dark in places, with noise.
+/// Returns colours that drift over the samples, are dark in places, and have noise.
 std::vector<std::uint8_t> chunk_of(const ChunkKind& kind, std::uint64_t seed) {
   SplitMix64 random(seed);
   ChunkSource source;
@@ -105,7 +105,7 @@ class PackedReadersTest : public TracedSceneTest {
   void write_all_kinds() {
     std::vector<std::vector<std::uint8_t>> chunks;
     for (const ChunkKind& kind : all_kinds()) chunks.push_back(chunk_of(kind, 7 + chunks.size()));
-    std::vector<SectionSource> sections = {{9, 3, 4, {1, 2, 3}}};  // a kind of later versions
+    std::vector<SectionSource> sections = {{9, 3, 4, {1, 2, 3}}};  // a section kind of later versions
     for (std::size_t i = 0; i < chunks.size(); ++i)
       sections.push_back({1, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(200 * i), chunks[i]});
     const std::vector<std::uint8_t> file = packed_file(sections);
@@ -131,7 +131,7 @@ std::vector<float> floats_of(const std::string& bytes) {
   return values;
 }
 
-// Both compute in single precision, in the same order: 1e-3 of 255 is hundreds of roundings.
+// Both decoders use single precision in the same order: 1e-3 of 255 allows hundreds of roundings.
 TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
   write_all_kinds();
@@ -151,8 +151,8 @@ TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
   EXPECT_EQ(at, found.size());
 }
 
-// Of the whole field, by its description: every texture of every sample with its mip levels, as `multum unpack` writes
-// them. Halves: 2^-11 of a value, or 2^-25 below 2^-14; the rest is single precision.
+// Compares every texture of every sample of the field's description, with its mip levels, with `multum unpack`. The
+// tolerance: halves have 2^-11 of a value, or 2^-25 below 2^-14; the rest is single precision.
 TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
   pack_traced_scene();
@@ -173,7 +173,7 @@ TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
       }
   EXPECT_EQ(at, found.size());
   EXPECT_GE(textures, manifest.samples.size());
-  // And damage is noticed.
+  // Damage is noticed.
   std::string bytes = read_bytes(path("field.mpt"));
   bytes[bytes.size() - 5] = static_cast<char>(bytes[bytes.size() - 5] ^ 1);
   write_bytes(path("bad.mpt"), bytes);
@@ -182,7 +182,7 @@ TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
   EXPECT_NE(bad.err.find("damaged"), std::string::npos) << bad.err;
 }
 
-// What the decoder makes of a file, as the module's test in Node writes it.
+// Decodes a file natively, and returns the bytes that the module's test in Node would write.
 std::string native_bytes(const std::string& path) {
   const std::string file = read_bytes(path);
   MultumPackedField* field = multum_open(reinterpret_cast<const std::uint8_t*>(file.data()), file.size());
@@ -227,7 +227,7 @@ TEST_F(PackedReadersTest, FunctionsForWebAssemblyGiveWhatTheDecoderGives) {
     }
   EXPECT_EQ(at, bytes.size());
   EXPECT_GT(denormal, 100u);
-  // Of a section alone, with mip levels.
+  // Decodes a single section, with mip levels.
   const std::vector<std::uint8_t> section = chunk_of(all_kinds()[1], 8);
   MultumTextureChunk* alone = multum_decode_section(section.data(), section.size());
   ASSERT_NE(alone, nullptr) << multum_problem();

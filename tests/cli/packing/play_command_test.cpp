@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play, on a small animation that is inferred and packed here: the frames of `sample`, the same for any
-// number of threads, cameras between samples, what damage and too little memory do, refusals.
+// multum-view play on a small animation that the test infers and packs: the same frames as `sample` for any number of
+// threads, cameras between samples, damage, too little memory, refusals.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -43,7 +43,7 @@ class PlayCommandTest : public TracedSceneTest {
     return read_small_picture(frame_path(frames, number), 1000);
   }
   Png8Image sample(const std::string& at) const {
-    view({"sample", path("field.mpt"), "--at", at, "-o", path("sample.png")});  // a damaged field is drawn, too
+    view({"sample", path("field.mpt"), "--at", at, "-o", path("sample.png")});  // draws a damaged field too
     return read_small_picture(path("sample.png"), 1000);
   }
   json statistics(const std::string& frames) const {
@@ -51,7 +51,7 @@ class PlayCommandTest : public TracedSceneTest {
   }
 };
 
-/// The largest difference of two pictures, in 8-bit values.
+/// Returns the largest difference of two pictures, in 8-bit values.
 int difference(const Png8Image& a, const Png8Image& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.interleaved.size(), b.interleaved.size());
@@ -70,7 +70,7 @@ TEST_F(PlayCommandTest, FramesAtSamplesAreThoseOfSample) {
   for (int v = 0; v < 3; ++v) {
     const Png8Image exact = sample(fmt::format("{},1", v));
     EXPECT_EQ(difference(frame("frames", v), exact), 0) << v;
-    // Sums of images that are halves differ by 2e-3 of textures at most: less than a step of 8 bits.
+    // Sums of half-float images differ by at most 2e-3 of textures: less than an 8-bit step.
     EXPECT_LE(difference(frame("mixed", v), exact), 1) << v;
     EXPECT_GT(difference(frame("coarse", v), exact), 2) << "edges are not averaged";
   }
@@ -130,11 +130,11 @@ TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
   const Png8Image half = frame("half", 0);
   EXPECT_GT(difference(half, sample("0,0")), 10) << "another camera";
   EXPECT_GT(difference(half, frame("mixed", 0)), 3) << "another light's share";
-  EXPECT_LE(difference(frame("beyond", 0), sample("0,1")), 1) << "beyond the samples the outermost counts";
+  EXPECT_LE(difference(frame("beyond", 0), sample("0,1")), 1) << "values beyond the samples are clamped";
 }
 
 TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
-  // At 2 frames a second: positions after 0, 0.5 (the second of two), 1, 1.5 and 2 s of 2.5.
+  // At 2 frames per second: positions after 0, 0.5 (the second of two), 1, 1.5 and 2 s of 2.5.
   const ProgramResult played = play("recorded", {"--path", MULTUM_RECORDED_PATH, "--rate", "2"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json frames = statistics("recorded")["frames"];
@@ -143,7 +143,7 @@ TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
   for (std::size_t f = 0; f < points.size(); ++f) EXPECT_EQ(frames[f]["point"], json(points[f])) << f;
   EXPECT_LE(difference(frame("recorded", 1), sample("2,0")), 1);
   ASSERT_EQ(play("again", {"--path", MULTUM_RECORDED_PATH, "--rate", "2", "--frames", "6"}).exit_code, 0);
-  EXPECT_EQ(statistics("again")["frames"][5]["point"], json(points[0])) << "from its end it begins again";
+  EXPECT_EQ(statistics("again")["frames"][5]["point"], json(points[0])) << "the path must start again after its end";
   const auto refused = [&](const std::string& text, const std::string& rate, const std::vector<std::string>& parts) {
     write_bytes(path("p.json"), text);
     const ProgramResult result = play("none", {"--path", path("p.json"), "--rate", rate});
@@ -161,13 +161,13 @@ TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json found = statistics("frames");
   for (const json& one : found["frames"]) EXPECT_LE(one["images_missing"], one["images_needed"]);
-  // By the end of the path most is there; whatever the machine, the last sample's objects are.
+  // By the end of the path most images are decoded. On any machine, the last sample's images are decoded.
   EXPECT_LE(found["bytes_most"], found["memory_max"]);
   double sum = 0.0, count = 0.0;
   const Png8Image shown = frame("frames", 29), exact = sample("2,1");
   for (std::size_t i = 0; i < shown.interleaved.size(); ++i, ++count)
     sum += std::abs(int{shown.interleaved[i]} - int{exact.interleaved[i]});
-  EXPECT_LT(sum / count, 20.0) << "no hole, and no other object";
+  EXPECT_LT(sum / count, 20.0) << "the picture must have no hole and no other object";
 }
 
 TEST_F(PlayCommandTest, ADamagedChunkIsLeftOutAndNamed) {
@@ -202,7 +202,7 @@ TEST_F(PlayCommandTest, RefusesWhatCannotBePlayed) {
   refused({"--path", "view=1", "--debug-picture", path("field.mpt")}, 2, {"field.mpt"});
   const ProgramResult folder = view({"play", path("out"), "--path", "view=1", "-o", path("frames")});
   EXPECT_EQ(folder.exit_code, 3);
-  expect_says(folder.err, {"no packed field", "multum pack"});
+  expect_says(folder.err, {"not a packed field", "multum pack"});
   write_bytes(path("field.mpt"), read_bytes(path("field.mpt")).substr(0, 200));
   refused({"--path", "view=1"}, 3, {"field.mpt", "bytes"});
 }

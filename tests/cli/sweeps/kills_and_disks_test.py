@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Every command that writes, killed at some moments (kill -9) and on a disk that fills up; and the daemon on such a
-disk. No complete output is lost, nothing half-written has an output's name, the next run ends with the same bytes, and
-nothing hidden stays after it. Full disks are small file systems in memory, which root alone may mount: others skip them
-with a message.
+"""Kills every writing command at some moments (kill -9), runs it on a disk that fills up, and runs the daemon on such a
+disk. No complete output is lost, no half-written file has an output's name, the next run writes the same bytes, and no
+hidden file remains after it. Full disks are small file systems in memory, which only root may mount; for other users
+these tests are skipped with a message.
 
   kills_and_disks_test.py MULTUM [--all] [unittest's arguments]
 
---all kills each command at eight moments and fills six disks; otherwise at two, and two. `ulimit` is
-limit_sweep_test.cpp's.
+--all kills each command at eight moments and fills six disks; otherwise two and two. limit_sweep_test.cpp tests
+`ulimit`.
 """
 import hashlib
 import os
@@ -32,7 +32,8 @@ SKIPPED = 77
 
 
 def contents(folder):
-    """SHA-256 of every file by its name below the folder. Reports tell times: their bytes differ, their names count."""
+    """Returns the SHA-256 of every file by its name in the folder. Reports hold times, so only their names are
+    compared."""
     found = {}
     for above, _, names in os.walk(folder):
         for name in names:
@@ -76,10 +77,10 @@ class SweepTest(unittest.TestCase):
         shutil.rmtree(self.out)
 
     def commands(self):
-        """What each writes is in the folder out; run a second time it goes on, or begins again."""
+        """Returns commands that write into the folder out. Their second run continues or begins again."""
         farm = [["openjd", "-o", "out/a", "bake", "map.png", "-o", "b.ndf.exr"]]
         if self.run_multum(["openjd", "--help"]).returncode != 0:
-            farm = []  # a build without it
+            farm = []  # a build without the command
         return [["bake", "map.png", "-o", "out/a.ndf.exr", "--report", "out/a.json"],
                 ["bake", "map.png", "-o", "out/a.ndf.exr", "--ndf", "sh"],
                 ["bake", "map.png", "other.png", "-o", "out"],
@@ -103,13 +104,15 @@ class SweepTest(unittest.TestCase):
         os.mkdir(self.out)
 
     def assert_whole(self, expected, where=None):
-        """Files with an output's name are complete."""
+        """Checks that files with an output's name are complete."""
         for name, digest in contents(where or self.out).items():
             if not any(part.startswith(".") for part in name.split("/")):
                 self.assertEqual(digest, expected.get(name), name)
 
     def wait_for_group(self, group):
-        """Helpers end with the process that started them, but not at once, and hold their work folders until then."""
+        """Waits for helper processes. They end soon after the process that started them, and keep their work folders
+        until
+            then."""
         end = time.monotonic() + 20
         while time.monotonic() < end:
             try:
@@ -117,7 +120,7 @@ class SweepTest(unittest.TestCase):
             except ProcessLookupError:
                 return
             time.sleep(0.01)
-        self.fail("a helper outlived the process that started it by 20 s")
+        self.fail("a helper still runs 20 s after its parent has ended")
 
     def test_kills(self):
         moments = [i / 9 for i in range(1, 9)] if IS_ALL else [0.5, 0.9]
@@ -143,7 +146,8 @@ class SweepTest(unittest.TestCase):
                     self.assertEqual(contents(self.out), expected)
 
     def test_what_kills_left_where_all_is_done(self):
-        """A run that finds its filter matrices measured removes the work folder that a kill left beside them."""
+        """A run that finds its filter matrices already measured removes the work folder that a kill left next to
+        them."""
         [arguments] = [words for words in self.commands() if words[0] == "infer"]
         self.reset()
         run = self.run_multum(arguments)
@@ -162,7 +166,8 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(contents(self.out), expected)
 
     def disk(self, kibibytes):
-        """Words before a command that give it a disk of that size at out; what is left there is copied to left."""
+        """Returns words that, before a command, mount a disk of that size at out. Files that remain are copied to
+        left."""
         script = ('mount -t tmpfs -o size="$1"k,mode=0755 tmpfs out && shift && status=0 && { "$@" || status=$?; } && '
                   'cp -a out/. left && exit $status')
         return ["unshare", "-m", "bash", "-c", "mount --make-rprivate / && " + script, "bash", str(kibibytes)]
@@ -212,7 +217,7 @@ class SweepTest(unittest.TestCase):
             connection.close()
             small = os.path.join(service.root, "map.png")
             shutil.copy(os.path.join(self.top, "map.png"), small)
-            for number in range(20):  # logs, the ledger and pictures find the disk full at different moments
+            for number in range(20):  # logs, ledger and pictures notice the full disk at different moments
                 with open(os.path.join(service.data, "filler"), "ab") as filler:
                     try:
                         filler.write(bytes(1 << 20))

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr double kStep = 0.05;  // seconds between two looks at whether it is cancelled
+constexpr double kStep = 0.05;  // seconds between two checks for cancellation
 
 std::string option(const std::vector<std::string>& arguments, const std::string& name, const std::string& fallback) {
   const std::string start = "--" + name + "=";
@@ -36,8 +36,8 @@ const ParameterTable& drill_parameters() {
         .surfaces = kInService},
        {.name = "then",
         .kind = ParameterKind::kChoice,
-        .help = "end of the job: success, an error worth trying again, one that is not, a crash, or none: "
-                "without a heartbeat, or without progress",
+        .help = "end of the job: success, an error that may be tried again, a final error, a crash, or no end: without "
+                "a heartbeat, or without progress",
         .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
         .surfaces = kInService},
        {.name = "text", .kind = ParameterKind::kText, .help = "text to write to the output", .surfaces = kInService}});
@@ -55,8 +55,8 @@ int run_drill(const std::vector<std::string>& arguments, Progress& progress, std
     std::this_thread::sleep_for(std::chrono::duration<double>(kStep));
     progress.advance(1);
   }
-  if (then == "fail") throw Error(ErrorCode::kEnvironment, "a drill that was to fail");
-  if (then == "refuse") throw Error(ErrorCode::kInput, "a drill that was to be refused");
+  if (then == "fail") throw Error(ErrorCode::kEnvironment, "this drill had to fail");
+  if (then == "refuse") throw Error(ErrorCode::kInput, "this drill had to be refused");
   if (then == "crash") std::raise(SIGKILL);
   if (then == "hang" || then == "stall") {
     is_deaf = then == "hang";
@@ -75,7 +75,7 @@ double seconds_of_drill(const nlohmann::json& parameters) { return parameters.va
 
 JobType drill_job_type() {
   return {.name = "drill",
-          .summary = "do nothing, or fail as asked: for trying out queues, limits and alarms",
+          .summary = "do nothing, or fail as the parameters say; for tests of queues, limits and alarms",
           .run = run_drill,
           .needs_output = false,
           .table = &drill_parameters(),

@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Whole conversations over HTTP with a running daemon, as no good client has them: several lines at once, requests one
-behind the other, cut into pieces anywhere, with bodies of every framing, headers that are doubled, folded or endless,
-bytes changed, closed or reset at any moment. Each answer must be HTTP, of a status that docs/reference/openapi.json
-knows; the
-daemon must live, and have no more memory, files or threads than before. Of a daemon that is built with sanitizers, what
-they find is a failure.
+"""Sends bad HTTP conversations to a running daemon: several connections at once, pipelined requests, cuts at any byte,
+bodies of every framing, headers that are doubled, folded or endless, changed bytes, and connections closed or reset at
+any moment. Each answer must be HTTP with a status that docs/reference/openapi.json lists. The daemon must survive and
+have no more memory, files or threads than before. In a daemon built with sanitizers, any finding is a failure.
 
   fault_injection/conversations.py MULTUM_DRILL [--seconds 60 | --conversations 1000] [--seed N]
 """
@@ -40,7 +38,7 @@ FOUND = re.compile(r"ERROR: AddressSanitizer|runtime error:|WARNING: ThreadSanit
 
 
 class Conversation:
-    """The bytes of some requests, one behind the other, and when what is sent."""
+    """The bytes of some pipelined requests, and the pieces in which they are sent."""
 
     def __init__(self, fuzzer, jobs):
         self.fuzzer, self.random = fuzzer, fuzzer.random
@@ -157,7 +155,7 @@ class Line:
 
 
 def check_answers(line, statuses):
-    """Every answer of the line, as far as it was heard; a body is passed over by its length."""
+    """Checks every received answer of the connection; bodies are skipped by their length."""
     rest = line.heard
     while rest:
         if len(rest) < 12:
@@ -219,7 +217,7 @@ def main():
         if service.process.poll() is not None:
             fail(f"it ended with {service.process.returncode}: {service.log_text()[-3000:]}")
         before = before or process_state(service.process.pid)
-        deadline = time.monotonic() + 30  # lines that linger
+        deadline = time.monotonic() + 30  # waits for open connections to end
         while (after := process_state(service.process.pid))[1] > 40 and time.monotonic() < deadline:
             time.sleep(0.1)
         print(f"{count} conversations in {time.monotonic() - begun:.0f} s, answers by status: "
@@ -227,11 +225,11 @@ def main():
         print(f"resident {before[0] >> 10} -> {after[0] >> 10} KiB, files {before[1]} -> {after[1]}, threads "
               f"{before[2]} -> {after[2]}, budget in use {service.metric('multum_http_memory_bytes') / 1024:.0f} KiB")
         if after[0] > before[0] + (options.memory_growth_max << 20) or after[2] > before[2] or after[1] > 40:
-            fail("something is left behind")
+            fail("more memory, files or threads are in use than before")
         if service.metric("multum_http_memory_bytes") > 1 << 20:
-            fail("the budget is not given back")
+            fail("the memory budget was not released")
         if min(statuses[one] for one in (200, 400, 404)) == 0:
-            fail("a kind of answer was never seen")
+            fail("a kind of answer never occurred")
         assert service.stop() == 0, service.log_text()[-3000:]
         found = FOUND.search(service.log_text())
         if found:

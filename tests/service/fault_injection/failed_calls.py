@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Each system call that the daemon makes to write files fails once, while jobs end and their results get their names: a
-file, and a folder over an earlier result. Whatever fails, the daemon lives or can be started again, the job ends
-well by itself, its result is whole, and nothing is left beside it.
+"""Makes each system call with which the daemon writes files fail once, while jobs end and their results are published:
+a file, and a folder over an earlier result. Whatever fails, the daemon survives or can be started again, the job
+succeeds without help, its result is complete, and no other file is left next to it.
 
   fault_injection/failed_calls.py MULTUM_DRILL SHIM [--every 1]
 """
@@ -26,7 +26,7 @@ SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[materi
 
 
 class Faults:
-    """The memory that the shim looks at."""
+    """The memory that this test shares with the shim."""
 
     def __init__(self, path):
         with open(path, "wb") as file:
@@ -38,7 +38,7 @@ class Faults:
         self.memory[:] = struct.pack("4q", call, error, 0, 0)
 
     def seen(self):
-        """Calls, and how many of them failed."""
+        """Returns the number of calls, and of failed ones."""
         return struct.unpack("4q", self.memory[:])[2:]
 
 
@@ -59,14 +59,14 @@ def check_result(kind, root, number, job):
         if text.strip() != f"text {number}":
             fail(f"{kind}: its result holds {text!r}")
     elif not {"plan.json"} <= set(os.listdir(job["output"])):
-        fail(f"{kind}: its result is not whole: {os.listdir(job['output'])}")
+        fail(f"{kind}: its result is incomplete: {os.listdir(job['output'])}")
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("multum")
     parser.add_argument("shim")
-    parser.add_argument("--every", type=int, default=1, help="try each so manieth call alone")
+    parser.add_argument("--every", type=int, default=1, help="fail only every Nth call")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         faults = Faults(os.path.join(folder, "faults"))
@@ -88,13 +88,13 @@ def main():
                     faults.order(call, error)
                     deadline = time.monotonic() + 60
                     while True:
-                        if service.process.poll() is not None:  # it may end, and must be fit to be started again
+                        if service.process.poll() is not None:  # the daemon may end, but must start again
                             faults.order(0, 0)
                             restarts += 1
                             service.start()
                         try:
                             state = service.job(job)
-                        except (AssertionError, OSError):  # 503, or it has just ended
+                        except (AssertionError, OSError):  # answers 503, or has just ended
                             state = {"state": "unknown"}
                         if state["state"] in ("succeeded", "dead", "cancelled"):
                             break
@@ -106,18 +106,18 @@ def main():
                     faults.order(0, 0)
                     check_result(kind, root, number, state)
                     failed += hit
-                    if call > calls:  # the job made fewer
+                    if call > calls:  # the job made fewer calls than this
                         break
                     call += options.every
         service.stop()
-        service.start()  # its start looks after what is left
+        service.start()  # a restart cleans up
         left = [name for name in os.listdir(root) if name.startswith(".multum")]
         if left:
             fail(f"left behind: {left}")
         service.stop()
-        print(f"{number} jobs, {failed} calls failed, {restarts} daemons started again")
+        print(f"{number} jobs, {failed} failed calls, {restarts} restarts of the daemon")
         if failed < 20:
-            fail("hardly anything failed: the shim is not there")
+            fail("almost no call failed: the shim is not loaded")
 
 
 if __name__ == "__main__":

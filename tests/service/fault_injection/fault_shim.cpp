@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// LD_PRELOAD for fault_injection/failed_calls.py: one of the system calls with which a daemon writes files fails. The
-// file that MULTUM_FAULTS names is memory that the drill shares:
-//   [0] which call is to fail, from 1; 0: none   [1] its errno   [2] calls so far   [3] calls that failed
-// Workers have the library too, and nothing fails in them: their ends are other tests' (fault_injection/kills.py).
+// LD_PRELOAD library for fault_injection/failed_calls.py: makes one of the system calls with which a daemon writes
+// files
+// fail. The file that MULTUM_FAULTS names is memory shared with the test:
+//   [0] number of the call to fail, from 1; 0: none   [1] its errno   [2] calls so far   [3] failed calls
+// Workers load the library too, but no call fails in them: fault_injection/kills.py tests how workers end.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -52,7 +53,7 @@ bool fails() {
   return true;
 }
 
-// The mode is there for files that may be made.
+// Only calls that may create files have a mode argument.
 int open_with(int folder, const char* path, int flags, std::va_list list) {
   const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
   return fails() ? -1 : static_cast<int>(::syscall(SYS_openat, folder, path, flags, mode));
@@ -88,7 +89,7 @@ int openat(int folder, const char* path, int flags, ...) {
   va_end(list);
   return file;
 }
-// openat2 has no function of its own; Landlock's calls and the like pass.
+// Catches openat2, which has no libc function. Other calls, such as Landlock's, pass through.
 long syscall(long number, ...) {
   long a[6];
   va_list list;

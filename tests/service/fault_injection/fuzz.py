@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Requests made from the service's own OpenAPI file, right ones and mostly wrong ones. Each must be answered as the
-file says: what its schemas refuse by 400, what they take by success, what is not there by 404, and nothing by 500. At
-the end the service is up, and has no more memory, files or threads than before.
+"""Sends requests made from the service's own OpenAPI file, some valid and most invalid. Each answer must match the
+file: 400 for what its schemas refuse, success for what they accept, 404 for what does not exist, and never 500. At the
+end the service must run and have no more memory, files or threads than before.
 
   fault_injection/fuzz.py MULTUM_DRILL [--requests 10000] [--seed 1]
 """
@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state, with_drill  # noqa: E402
 
-# Of what the file cannot say: which queues, jobs and files there are.
+# Reasons that the OpenAPI file cannot express: which queues, jobs and files exist.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected an absolute",
            "not a name for a result", "there is no such file", "its folder does not exist", "expected a name ending in",
            "unknown state", "not a file")
@@ -43,7 +43,7 @@ class Fuzzer:
                            for _ in range(5 if "requestBody" in operation else 1)]
 
     def value_of(self, schema):
-        """A value that the schema takes, as a rule."""
+        """Returns a value that the schema usually accepts."""
         schema = self.check.resolved(schema)
         choose = self.random
         if "const" in schema:
@@ -73,13 +73,13 @@ class Fuzzer:
         job = self.value_of({"$ref": "#/components/schemas/Submission"})
         job["type"] = name
         job["parameters"] = self.value_of({"$ref": f"#/components/schemas/{name.capitalize()}Parameters"})
-        if self.random.random() < 0.7:  # one that is taken
+        if self.random.random() < 0.7:  # a value that is accepted
             for key in ("needs", "queue", "output", "device"):
                 job.pop(key, None)
         return job
 
     def spoil(self, value):
-        """The same with one thing changed somewhere."""
+        """Returns the value with one part changed."""
         choose = self.random
         if isinstance(value, dict) and value and choose.random() < 0.8:
             key = choose.choice(list(value))
@@ -97,7 +97,7 @@ class Fuzzer:
         return choose.choice(STRANGE)
 
     def body(self, operation):
-        """Bytes, and whether the schema takes them."""
+        """Returns bytes, and whether the schema accepts them."""
         content = operation["requestBody"]["content"]
         if "application/json" not in content:
             return self.random.randbytes(self.random.randrange(2000)), True
@@ -132,7 +132,7 @@ class Fuzzer:
         return target
 
     def next(self, jobs):
-        """(method, target, body, statuses that are right)."""
+        """Returns (method, target, body, accepted statuses)."""
         choose = self.random
         path, method, operation = choose.choice(self.operations)
         target = self.target(path, operation, jobs)
@@ -143,14 +143,14 @@ class Fuzzer:
             longer = target.rstrip("/") + "/" + self.path_part(jobs)
             return method.upper(), longer, None, (400, 404, 405, 409, 200, 201, 202)
         if path == "/v1/queues/{queue}/resume":
-            return "POST", "/v1/queues/nobody/resume", None, (404,)  # the fuzzer's jobs are not to run
+            return "POST", "/v1/queues/nobody/resume", None, (404,)  # jobs of the fuzzer must not run
         if "requestBody" not in operation:
             if "?" in target:
                 return method.upper(), target, None, (200, 400)
             return method.upper(), target, None, (200, 202, 404, 409) if "{" in path else (200,)
         body, is_taken = self.body(operation)
         if not is_taken:
-            refused = (400, 404) if "{" in path else (400,)  # a target may name nothing
+            refused = (400, 404) if "{" in path else (400,)  # a target may match no route
             return method.upper(), target, body, refused if len(body) <= 1 << 20 else (413,)
         right = tuple(int(one) for one in operation["responses"] if one.isdigit() and one < "300")
         return method.upper(), target, body, right + ((400, 404, 409) if "{" in path else (REASONS,))
@@ -175,14 +175,14 @@ def main():
         before = None
         connection = service.connection()
         for number in range(options.requests):
-            if number == options.requests // 5:  # caches are warm
+            if number == options.requests // 5:  # caches are filled by now
                 connection.close()
                 before = state()
             method, target, body, right = fuzzer.next(jobs)
             try:
                 connection.request(method, target, body)
                 response = connection.getresponse()
-            except (http.client.HTTPException, OSError):  # was closed after a refusal
+            except (http.client.HTTPException, OSError):  # closed after a refusal
                 connection.close()
                 connection.request(method, target, body)
                 response = connection.getresponse()
@@ -207,7 +207,7 @@ def main():
         connection.close()
         assert service.ask("GET", "/healthz")[0] == 200 and service.process.poll() is None
         after = state()
-        end = time.monotonic() + 10  # connections are closed when the daemon comes to it
+        end = time.monotonic() + 10  # the daemon closes connections with a delay
         while after[1] > before[1] and time.monotonic() < end:
             time.sleep(0.05)
             after = state()
@@ -216,13 +216,13 @@ def main():
               f"{before[2]} -> {after[2]}")
         described = {(method, path, status) for path, methods in check.document["paths"].items() for method, one
                      in methods.items() for status in one["responses"] if status.isdigit()}
-        print(f"{len(check.seen)} kinds of answers; of the successes described, never seen: " + ", ".join(sorted(
+        print(f"{len(check.seen)} kinds of answers; described successes that never occurred: " + ", ".join(sorted(
             f"{method.upper()} {path} {status}" for method, path, status in described
             if int(status) < 300 and (method, path, int(status)) not in check.seen)))
         if after[0] > before[0] + (8 << 20) or after[1] > before[1] or after[2] > before[2]:
             fail("something is left behind")
         if min(statuses[one] for one in (200, 201, 202, 400, 404, 405)) == 0:
-            fail("a kind of answer was never seen")
+            fail("a kind of answer never occurred")
         assert service.stop() == 0
 
 

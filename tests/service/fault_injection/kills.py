@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""kill -9 of workers and of the daemon, over many small jobs that write a file each: nothing is lost, nothing is
-published twice, nothing half made is left, and nothing stays "running".
+"""Kills workers and the daemon (kill -9) during many small jobs that write one file each. No job is lost, no result is
+published twice, no half-written file is left, and no job stays "running".
 
   fault_injection/kills.py MULTUM_DRILL [--jobs 2000] [--worker-kills 200] [--daemon-kills 20]
 """
@@ -71,10 +71,10 @@ def main():
                 service.kill()
                 begun = time.monotonic()
                 service.start()
-                # What an earlier daemon ran is nobody's: none of it is called running without a worker.
+                # A job that an earlier daemon ran must not be called running without a worker.
                 running = service.counts()["running"]
                 longest_restart = max(longest_restart, time.monotonic() - begun)
-                assert running <= 4, f"{running} jobs are called running after a restart"
+                assert running <= 4, f"{running} jobs count as running after a restart"
             done[kill] += 1
         counts = service.wait_until_idle()
         attempts_lost = 0
@@ -100,7 +100,7 @@ def main():
         unended = ledger.execute("SELECT COUNT(*) FROM attempts WHERE outcome = 0").fetchone()[0]
         assert unended == 0, f"{unended} attempts have no end"
         print(f"{options.jobs} jobs, {done['worker']} workers and {done['daemon']} daemons killed: all results in "
-              f"place, once each; {attempts_lost} attempts lost and made again; restart in at most "
+              f"place, once each; {attempts_lost} attempts lost and repeated; restart within "
               f"{longest_restart:.2f} s")
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How much the service takes: submissions a second, empty jobs a second through whole leases, and how soon /healthz
-answers while streams are open and submissions in flight. Prints; the numbers are no test.
+"""Measures the service's throughput: submissions per second, empty jobs per second with full leases, and the response
+time of /healthz while streams are open and submissions in flight. Prints numbers without judging them.
 
   fault_injection/load.py MULTUM_DRILL [--jobs 2000] [--streams 64] [--in-flight 2000]
 """
@@ -26,7 +26,7 @@ def request_bytes(port):
 
 
 def flood(port, count, connections):
-    """`count` submissions over so many connections at once; returns the seconds that they took."""
+    """Sends `count` submissions over this many connections at once. Returns the elapsed seconds."""
     wanted = request_bytes(port)
     selector = selectors.DefaultSelector()
     left = count
@@ -66,7 +66,7 @@ def flood(port, count, connections):
 
 
 def watch_health(port, result, stop):
-    """In a process of its own: it would wait for the flood's Python otherwise."""
+    """Runs in its own process: otherwise it would wait for the Python code that sends the submissions."""
     seconds_of = []
     one = socket.create_connection(("127.0.0.1", port))
     while not stop.is_set():

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Many small jobs and a large map in shares on a real Slurm of four nodes, while everything that can dies: controllers
-right after they have accepted a job, nodes with all on them, the daemon; one node is drained for a while, another's
-clock is an hour fast, and the shared folder is full for a while. Every result is there once, and nothing is left.
+"""Runs many small jobs and a large map in shares on a real Slurm of four nodes, while everything that can fail does:
+controllers right after they have accepted a job, nodes with all their tasks, the daemon. One node is drained for a
+while, the clock of another is an hour fast, and the shared folder is full for a while. Every result must exist once,
+and no other file may be left.
 
   fault_injection/slurm_farm.py MULTUM_DRILL [--jobs 500] [--map 8192] [--faults 3]
 
-It needs root and Debian's slurmctld, slurmd, slurm-client and munge; faketime for the clock; and may mount a tmpfs.
-Exit code 77: no Slurm can be started here.
+It needs root, the right to mount a tmpfs, and Debian's slurmctld, slurmd, slurm-client and munge; faketime for the
+clock. Exit code 77: no Slurm can be started here.
 """
 import argparse
 import collections
@@ -48,7 +49,7 @@ chunk_s = 2
 share_s = {share}
 rounds = 10
 """
-# munge refuses a node whose clock is wrong, so slurmd's is right, and that of all that multum does there is not.
+# munge refuses a node with a wrong clock, so slurmd has the right time. Only multum on that node sees the wrong one.
 PROGRAM = """#!/bin/sh
 [ "$SLURMD_NODENAME" != bake4 ] || exec {faketime} -f +1h {multum} "$@"
 exec {multum} "$@"
@@ -93,13 +94,13 @@ class Farm:
     # ---- Faults
 
     def kill_controller(self):
-        """As soon as it has accepted the next job; it comes back some seconds later."""
+        """Kills the controller right after it has accepted the next job; it returns some seconds later."""
         if self.slurm.processes["slurmctld"].poll() is not None:
             return
         with open(self.flag + ".pid", "w", encoding="utf-8") as file:
             file.write(str(self.slurm.processes["slurmctld"].pid))
         open(self.flag, "w", encoding="utf-8").close()
-        # Something to accept.
+        # Gives the controller a job to accept.
         self.submit_small()
         deadline = time.monotonic() + 20
         while os.path.exists(self.flag) and time.monotonic() < deadline:
@@ -169,7 +170,7 @@ class Farm:
             if all(counts[state] == 0 for state in ("waiting", "queued", "running", "publishing")):
                 return counts
             if time.monotonic() > deadline:
-                fail(f"jobs are left: {counts} {self.service.log_text()[-3000:]}")
+                fail(f"jobs did not end: {counts} {self.service.log_text()[-3000:]}")
             time.sleep(0.5)
 
     def check(self, counts):
@@ -180,7 +181,7 @@ class Farm:
                 assert file.read() == f"job {number}\n", path
         expected = {os.path.basename(path) for path in self.small} | {"map.png", "map.ndf.exr"}
         found = set(os.listdir(self.service.root))
-        assert found == expected, f"left behind or missing: {sorted(found ^ expected)[:5]}"
+        assert found == expected, f"unexpected or missing files: {sorted(found ^ expected)[:5]}"
         self.slurm.wait_until("Slurm is empty", lambda: not self.slurm.jobs(), timeout=60)
         with open(os.path.join(self.service.data, "instance"), encoding="utf-8") as file:
             place = os.path.join(self.shared, "multum-" + file.read().strip())
@@ -188,7 +189,7 @@ class Farm:
         whole = os.path.join(self.folder, "whole.ndf.exr")
         subprocess.run([self.multum, "bake", self.map, "-o", whole, "--quiet"], check=True)
         with open(whole, "rb") as one, open(self.baked, "rb") as other:
-            assert one.read() == other.read(), "the map is not that of one process"
+            assert one.read() == other.read(), "the map differs from that of one process"
 
     def report(self, seconds, metrics):
         ledger = sqlite3.connect(os.path.join(self.service.data, "jobs.sqlite"))
@@ -232,7 +233,7 @@ def main():
     try:
         begun = time.monotonic()
         farm.submit()
-        time.sleep(3)  # the last are on their way to Slurm
+        time.sleep(3)  # the last jobs are being sent to Slurm
         submitted = farm.service.metric("multum_slurm_submitted_total")
         spent = farm.service.metric("multum_slurm_submit_seconds_total")
         per_job = {"sbatch calls": submitted, "ms a call": round(1000 * spent / max(1, submitted), 1),

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A user of a root who swaps folders for links to outside, at any moment, while jobs of every type read
-from one and write into another, results are downloaded, and uploads come. Outside lie files of the same names with
-other contents: whatever a job reads or a download answers must be of the inside, and nothing may be written, changed or
-removed outside.
+"""A user of a root folder swaps folders for links to the outside, at any moment. Meanwhile jobs of every type read from
+one folder and write into another, results are downloaded, and uploads arrive. Outside are files with the same names
+and other contents. Everything that a job reads or a download returns must come from inside the root, and no file
+outside may be written, changed or removed.
 
   fault_injection/swapped_links.py MULTUM [--seconds 60]
 """
@@ -27,7 +27,7 @@ from tiny_animation import SIDE, write_animation  # noqa: E402
 SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[material]]\nname = "p"\nbrdf = "lambert"\n'
          '[[object]]\nname = "o"\nmap = "m"\nmaterial = "p"\nwidth = 1\ndistance = [1, 2]\n[[light]]\n'
          'direction = [0, 0, 1]\n')
-# The file of each type's result that tells what it was made of.
+# For each type, the file of the result that shows its input.
 RESULTS = {"bake": "", "scene": "m.ndf.exr", "infer": None, "pack": ""}
 
 
@@ -48,13 +48,13 @@ def hash_of(path):
 
 
 def state_of(folder):
-    """Every file below, by its content and times."""
+    """Returns every file of the folder with its content and times."""
     files = [os.path.join(above, name) for above, _, names in os.walk(folder) for name in names]
     return {path: (hash_of(path), os.lstat(path).st_mtime_ns) for path in files}
 
 
 class Swapper(threading.Thread):
-    """Each folder is a link to outside for a moment, again and again: sometimes at once, sometimes a while after."""
+    """Repeatedly turns each folder into a link to the outside for a moment, with varying pauses."""
 
     def __init__(self, folders, outside):
         super().__init__()
@@ -82,7 +82,7 @@ def job_of(kind, source, target, number):
                   "infer": {"job": os.path.join(source, "animation.toml"), "context": "osmesa", "no_frames": True,
                             "no_comparison": True},
                   "pack": {"manifest": os.path.join(source, "field/inferred.json"), "lambda": 1}}[kind]
-    # Some over an earlier result: folders are exchanged then.
+    # Some results replace an earlier one: the service then exchanges folders.
     name = f"{kind}{number % 5}" + {"bake": ".ndf.exr", "pack": ".mpt"}.get(kind, "")
     return {"type": kind, "parameters": parameters, "output": os.path.join(target, name), "again": True,
             "attempt_max": 10}
@@ -114,13 +114,13 @@ def main():
             if job["state"] != "succeeded":
                 fail(f"{kind}: {job['message']}")
             right[kind] = result_hash(kind, job["output"])
-        # What a download or a job's look would find outside, under the names of results.
+        # Files that a download or a job's read would find outside, under the names of results.
         for name in os.listdir(target):
             result = os.path.join(target, name)
             (shutil.copytree if os.path.isdir(result) else shutil.copy)(result, os.path.join(outside, name))
         with open(os.path.join(outside, "bake0.ndf.exr"), "wb") as file:
             file.write(b"secret" * 1000)
-        # As its listing, a copy too, has it: by its size and time it is what was published.
+        # The listing is copied too, so by size and time this file passes for the published one.
         baked = os.path.join(outside, "scene0", RESULTS["scene"])
         times = os.stat(baked)
         with open(baked, "r+b") as file:
@@ -137,12 +137,12 @@ def main():
                 kind = "scene" if downloads % 4 == 0 else "bake"
                 try:
                     status, answer = service.ask("GET", f"/v1/jobs/{first[kind]}/result")
-                except http.client.IncompleteRead as cut:  # an archive whose files go while it is sent
+                except http.client.IncompleteRead as cut:  # an archive whose files vanish while it is sent
                     status, answer = "cut", cut.partial
                 downloads += 1
                 answers[kind, status] += 1
                 if status in (200, "cut") and b"secret" in answer:
-                    fail("a download told what lies outside")
+                    fail("a download returned contents from outside")
                 waiting = [one for one in waiting if service.job(one[1])["state"] not in
                            ("succeeded", "dead", "cancelled")] if downloads % 50 == 0 else waiting
                 if downloads % 10 == 0 and len(waiting) < 6:
@@ -168,18 +168,18 @@ def main():
                 continue
             made = result_hash(kind, os.path.join(target, name))
             if made != right[kind]:
-                fail(f"{name} was made of what lies outside: {made}, expected {right[kind]}")
+                fail(f"{name} was made from files outside: {made}, expected {right[kind]}")
         if state_of(outside) != before:
-            fail(f"outside is not as it was: {sorted(set(state_of(outside).items()) ^ set(before.items()))[:5]}")
+            fail(f"files outside have changed: {sorted(set(state_of(outside).items()) ^ set(before.items()))[:5]}")
         if service.process.poll() is not None:
             fail(f"the daemon ended: {service.log_text()[-2000:]}")
         service.stop()
         if min(done[f"{kind} succeeded"] for kind in kinds) < 2:
-            fail(f"hardly a job came through: {dict(done)}")
+            fail(f"almost no job succeeded: {dict(done)}")
         sums = sorted((f"{kind} {status}", count) for (kind, status), count in answers.items())
         listed = ", ".join(f"{what}: {count}" for what, count in sums)
         print(f"{swapper.swaps} swaps, {downloads} downloads ({listed}), jobs {dict(counts)}, the last 1000: "
-              f"{dict(done)}: nothing of outside was read, nothing outside was written")
+              f"{dict(done)}: no file outside was read or written")
         if downloads < 20 or min(counts[kind] for kind in kinds) == 0 or swapper.swaps < 100:
             fail("too little happened")
         if answers["scene", 200] == 0 or answers["bake", 200] == 0:

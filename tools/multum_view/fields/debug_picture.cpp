@@ -20,7 +20,8 @@ class Column {
  public:
   Column(gl::FloatImage& image, int x, int width) : image_(image), x_(x), width_(width) {}
 
-  /// Rows `first` to `end` counted from the band's bottom, `bottom` rows from the picture's top.
+  /// Fills rows `first` to `end`, counted upwards from the band's bottom, which is `bottom` rows below the picture's
+  /// top.
   void fill(int bottom, int first, int end, const Colour& colour) {
     for (int row = first; row < end; ++row)
       for (int x = x_; x < x_ + width_; ++x)

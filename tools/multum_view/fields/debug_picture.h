@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws what a playback did, a column of pixels a frame: for each layer whether its images were there in time, what
-// was decoded, and how full the memory was.
+// Draws the course of a playback, one column of pixels per frame: for each layer whether its images were ready in time,
+// what was decoded, and how full the memory was.
 //
-//      a band a layer      green: all of its images; above it, yellow: the share that was late; red: the texture of a
-//                          frame before; black: nothing to draw
-//      decoding            blue: images that were decoded since the frame before, a pixel each; violet: chunks
-//      memory              grey, of the band's height; its peak so far a line
+//      one band per layer  green: all of its images; above it, yellow: the share that was late; red: a texture of an
+//                          earlier frame; black: nothing to draw
+//      decoding            blue: images decoded since the previous frame, one pixel each; violet: chunks
+//      memory              grey, relative to the band's height; a line marks the peak so far
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,12 @@ namespace multum {
 
 struct PlayedFrame {
   std::vector<gl::LayerReport> layers;
-  std::size_t images_decoded = 0, chunks_decoded = 0;  // since the frame before
+  std::size_t images_decoded = 0, chunks_decoded = 0;  // since the previous frame
   std::size_t bytes = 0, bytes_most = 0;
-  double decoding_seconds = 0.0;  // of processors, since the frame before
+  double decoding_seconds = 0.0;  // processor time since the previous frame
 };
 
-/// Linear colours. Frames are four pixels wide, or less where the picture would be wider than 16384.
+/// Returns linear colours. A frame is four pixels wide, or less if the picture would be wider than 16384.
 gl::FloatImage debug_picture(const std::vector<PlayedFrame>& frames, std::size_t memory_max);
 
 }  // namespace multum

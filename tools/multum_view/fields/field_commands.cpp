@@ -12,7 +12,7 @@ namespace multum {
 
 std::vector<ViewCommand> field_commands() {
   return {
-      {"sample", "Draw samples of an animation with the textures that `multum infer` made, or `multum pack` packed",
+      {"sample", "Draw samples of an animation with textures of `multum infer` or `multum pack`",
        "  multum-view sample out/ --at 3,5 -o frame.png\n"
        "  multum-view sample field.mpt --at 3,5 -o frame.png\n"
        "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr",
@@ -20,21 +20,18 @@ std::vector<ViewCommand> field_commands() {
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
       {"play", "Draw frames along a path through the parameters of a packed animation, decoding as it goes",
        "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
-       "A path gives each parameter a value by its index, 0 for the first sample; what it does not name stays at 0, "
-       "and\n"
-       "what lies beyond the samples counts as the outermost. A value is made of numbers, + - * / ( ), sin, cos, pi "
-       "and "
-       "t,\n"
-       "the seconds since the first frame (--rate); a..b goes from a in the first frame to b in the last. Between "
-       "samples\n"
-       "the camera and objects move smoothly; textures are the nearest sample's, or mixed with --linear.\n"
-       "A path that a player's page saved, FILE.json, goes where it was recorded, from its end once more if --frames "
-       "asks.",
+       "A path sets each parameter to a sample's index, 0 for the first sample. Parameters that it leaves out stay at "
+       "0;\n"
+       "values beyond the samples are clamped. A value may use numbers, + - * / ( ), sin, cos, pi and t, the seconds\n"
+       "since the first frame (--rate); a..b runs from a in the first frame to b in the last. Between samples the\n"
+       "camera and objects move smoothly; textures come from the nearest sample, or are mixed with --linear.\n"
+       "FILE.json, a path saved by a player's page, is replayed as recorded; if --frames asks for more frames, the\n"
+       "path starts again.",
        [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
        [](const CommandOptions& o) { return play_field(o.play); }},
-      {"probe", "Measure filter matrices for texture inference: what the GL's sampler makes of every texel",
-       "  multum-view probe request.json          `multum infer` starts it; the request is described in "
-       "docs/reference/inferred_textures.md",
+      {"probe", "Measure filter matrices for texture inference: the weight that GL's sampler gives each texel",
+       "  multum-view probe request.json          `multum infer` starts this command; "
+       "docs/reference/inferred_textures.md describes the request",
        [](CLI::App& app, CommandOptions& o) { add_probe_options(app, o.probe); },
        [](const CommandOptions& o) { return measure_filter_matrices(o.probe); }}};
 }

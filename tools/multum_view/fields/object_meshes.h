@@ -14,16 +14,16 @@
 
 namespace multum {
 
-/// Vertices three a triangle: a cut may give a vertex two coordinates.
+/// Returns three vertices per triangle, because a vertex at a cut has two texture coordinates.
 gl::MeshData mapped_mesh_data(const ObjectMesh& mesh, const TextureMapping& mapping);
 
-/// SHA-256 of what is drawn: positions, coordinates, order.
+/// SHA-256 of the drawn data: positions, coordinates, order.
 std::string mesh_data_hash(const gl::MeshData& data);
 
-/// In single precision, as the GL gets it: multiplied in double, so that every program rounds alike.
+/// Returns the product in single precision for GL. It is multiplied in double, so that every program rounds alike.
 glm::mat4 object_to_clip(const glm::dmat4& world_to_clip, const glm::dmat4& object_to_world);
 
-/// Throws Error(kInput) naming `path` when there is no such object, listing those there are.
+/// Throws Error(kInput) naming `path` if there is no such object; the message lists the existing ones.
 std::size_t find_object(const std::vector<ObjectMesh>& meshes, const std::string& name, const std::string& path);
 
 }  // namespace multum

@@ -20,7 +20,7 @@ CLI::Option* add_level(CLI::App& app, const std::string& name, DetailOptions& op
 
 void add_spacing(CLI::App& app, const std::string& name, CLI::Option* level, DetailOptions& options) {
   app.add_option(name, options.spacing,
-                 "take the level of detail from the surface's projection: neighbouring points so many pixels apart")
+                 "choose the level of detail so that neighbouring points are this many pixels apart in the picture")
       ->check(number_in(0.01f, 1000.0f))
       ->excludes(level);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The level of detail of a surface that comes from a pyramid of heights or positions, as options state it.
+// Options for the level of detail of a surface that comes from a pyramid of heights or positions.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,20 +13,20 @@
 namespace multum {
 
 struct DetailOptions {
-  std::optional<float> level;    // unset: 0, or by `spacing`
+  std::optional<float> level;    // unset: 0, or chosen by `spacing`
   std::optional<float> spacing;  // pixels between neighbouring points
 };
 
-/// --level, --point-spacing.
+/// Adds --level and --point-spacing.
 void add_detail_options(CLI::App& app, DetailOptions& options);
-/// --surface-level, --surface-spacing: of a surface beside the file that is drawn.
+/// Adds --surface-level and --surface-spacing, for a surface that is not the drawn file.
 void add_surface_detail_options(CLI::App& app, DetailOptions& options);
 
-/// Throws Error(kInput) where the file is a pyramid of something else than heights or positions.
+/// Throws Error(kInput) if the pyramid holds neither heights nor positions.
 Pyramid read_surface_pyramid(const std::string& path);
-/// `height`: of the picture, in pixels.
+/// `height`: the picture's height in pixels.
 double detail_level(const DetailOptions& options, const Pyramid& pyramid, const gl::Camera& camera, int height);
-/// Without a map: tangents are any.
+/// Converts a surface. It has no map, so its tangents are arbitrary.
 TriangleMesh to_triangle_mesh(const PyramidSurface& surface);
 
 }  // namespace multum
