@@ -18,6 +18,7 @@ import sys
 import tempfile
 
 SKIPPED = {"build", "out", ".git", "__pycache__", "node_modules"}
+MADE_UP = {"tests/site/site_test.py"}  # makes pages for its own trees
 SUFFIXES = {".h", ".cpp", ".cl", ".clh", ".glsl", ".vert", ".frag", ".js", ".mjs", ".css", ".html", ".py", ".sh",
             ".cmake", ".txt", ".toml", ".json", ".md", ""}
 PAGE = re.compile(r"(?<![\w/.-])docs/[\w./-]+?\.(?:md|json|py)\b")
@@ -81,6 +82,8 @@ class Tree:
             folders[:] = [f for f in folders if f not in SKIPPED]
             for name in names:
                 path = pathlib.Path(folder) / name
+                if path.relative_to(root).as_posix() in MADE_UP:
+                    continue
                 if path.suffix in SUFFIXES and not path.is_symlink() and path.stat().st_size < 1 << 22:
                     self.files.append(path.relative_to(root).as_posix())
         self.files.sort()

@@ -17,7 +17,7 @@
 
 namespace multum {
 
-/// How often a job reads its maps: maps that it reads many times stay in memory up to a larger size.
+/// Number of times that a job reads its maps: maps that it reads many times stay in memory up to a larger size.
 enum class MapReadings { kFew, kMany };
 
 struct BakeSource {

@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// How texels are shaded: max(n . l, 0), or normalised facets with this Blinn-Phong exponent; other families use the
+/// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent; other families use the
 /// exponent of equal width.
 struct ShadedBy {
   std::optional<double> exponent;  // nullopt: Lambert; infinite: the width by which normals are shortened

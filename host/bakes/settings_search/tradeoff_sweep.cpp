@@ -37,7 +37,7 @@ constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 // A way to draw a bake.
 struct View {
   std::string group;
-  std::string arguments;                              // beside --brdf
+  std::string arguments;                              // next to --brdf
   std::string brdf;                                   // option of multum-view; empty: the target
   bool is_measured;                                   // the bake's measured errors of the target are valid for it
   std::optional<Highlight> highlight = std::nullopt;  // another highlight to measure
