@@ -123,7 +123,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
     EXPECT_TRUE(contains(verify.out, levels)) << verify.out;
     const ProgramResult info = multum({"info", path("map.ndf.exr")});
     EXPECT_TRUE(contains(info.out, levels)) << info.out;
-    expect_says(info.out, {"beside the normal map"});
+    expect_says(info.out, {"besides the normal map"});
     EXPECT_TRUE(contains(info.out, fmt::format("\"first_level\":{}", first_level))) << info.out;
     const std::string table = result.out.substr(result.out.find("measured error"));
     EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
@@ -621,7 +621,7 @@ TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
                            "{auto,height,normal,packed16,packed24,terrarium,mapbox}=auto", "{none,black,box3}=box3",
                            "{auto,black,clamp,periodic,mirror}", "--lobes INT in [1, 8]=4",
                            "--compression none|rle|piz|zip[:1-9]|zips[:1-9]=zip:1", "--first-level INT in [0, 15]=0",
-                           "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
+                           "PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
 }

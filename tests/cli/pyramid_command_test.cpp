@@ -188,7 +188,7 @@ TEST_F(PyramidCommandTest, MaterialsOfAModelAreBakedByTheirManifest) {
                    .contains("normal_scale"));
   EXPECT_TRUE(read_baked_header(path("maps/1_material_1.ndf.exr")).has_colours);
   const ProgramResult again = multum({"materials", path("m.gltf"), "-o", path("maps")});
-  expect_refusal(again, kUsage, {"maps.toml", "exists already"});
+  expect_refusal(again, kUsage, {"maps.toml", "already exists"});
 }
 
 TEST_F(PyramidCommandTest, MaterialsRefuseWhatTheyCannotCarry) {

@@ -13,6 +13,7 @@
 #include "host/formats/mesh/mesh.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/output_paths.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/normal_material.h"
@@ -116,14 +117,15 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
 }  // namespace
 
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options) {
-  app.add_option("result", options.result, "*.ndf.exr, or what multum infer wrote")->required();
-  app.add_option("-o,--output", options.folder, "existing folder for the pictures")->required();
-  app.add_option("--source", options.source, "normal map that the file was baked from");
-  app.add_option("--albedo", options.albedo, "the source's colours");
+  app.add_option("result", options.result, "baked file, *.ndf.exr, or folder of `multum infer`")->required();
+  app.add_option("-o,--output", options.folder, "folder for the pictures")->required();
+  app.add_option("--source", options.source, "normal map of the bake");
+  app.add_option("--albedo", options.albedo, "read the colours of the source from this map");
   add_context_option(app, options.context);
 }
 
 int draw_thumbnails(const ThumbnailOptions& options) {
+  make_folder(options.folder);
   if (fs::is_directory(options.result)) draw_field_thumbnail(options);
   else make_bake_thumbnails(options);
   return 0;

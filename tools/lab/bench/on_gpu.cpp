@@ -164,7 +164,7 @@ class OnGpuRun {
   // By what a child lists, as Device::open() chooses; a driver that crashes ends the child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
-    child({neighbouring_program("multum"), "devices", "--json", listed}, 60);
+    child({neighbouring_program("multum"), "devices", "--report", listed}, 60);
     result_["devices"] = read_json(listed);
     std::vector<DeviceInfo> devices;
     std::string cpu;
@@ -231,7 +231,7 @@ class OnGpuRun {
   Json selftest(double left) {
     const std::string file = folder_ / "selftest.json";
     std::vector<std::string> command = {
-        neighbouring_program("multum"), "selftest", "--quiet", "--device", options_.device, "--json", file};
+        neighbouring_program("multum"), "selftest", "--quiet", "--device", options_.device, "--report", file};
     if (options_.small) command.insert(command.end(), {"--filter", "moment"});
     child(command, left, {0, exit_code(ErrorCode::kVerification)});
     Json result = read_json(file);

@@ -223,42 +223,49 @@ class PathPlayer {
 }  // namespace
 
 void add_play_options(CLI::App& app, PlayOptions& options) {
-  app.add_option("file", options.file, "a file of multum pack, *.mpt")->required();
-  app.add_option("--path", options.path,
-                 "a value of each parameter: e.g. 'view=0..7,light=3.5+3.5*sin(t)'; see below; or FILE.json of a path "
-                 "that a player's page saved")
+  app.add_option("file", options.file, "packed field, *.mpt")->required();
+  app.add_option(
+         "--path", options.path,
+         "set the value of each parameter, such as 'view=0..7,light=3.5+3.5*sin(t)', or FILE.json, a path that the "
+         "player in a browser saved")
       ->required();
   app.add_option("-o,--output", options.folder, "folder for frame_0000.png and so on, and statistics.json")->required();
   app.add_option("--frames", options.frame_count,
-                 fmt::format("number of frames; default: {}, or all of FILE.json", kFrames))
+                 fmt::format("draw this many frames (default: {}, or all of FILE.json)", kFrames))
       ->check(CLI::Range(1, kFramesMax));
-  app.add_option("--rate", options.rate, "frames a second of the path's time t")
+  app.add_option("--rate", options.rate, "set the frames per second of the time t")
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
   app.add_option("--supersampling", options.supersampling,
-                 "sub-pixels along each side of a pixel; default: as many as the field says")
+                 "draw this many sub-pixels along each side of a pixel (default: as the field says)")
       ->check(CLI::Range(1, 8));
-  app.add_flag("--linear", options.is_linear, "mix the samples around a point, along each parameter, not the nearest");
+  app.add_flag("--linear", options.is_linear,
+               "mix the samples around a point linearly along each parameter, instead of the nearest sample");
   app.add_flag("--no-wait", options.draws_what_is_there,
-               "draw what is decoded by then, coarsest images first; the pictures depend on the machine's speed");
-  app.add_flag("--cold", options.is_cold, "forget all before each frame: what a jump to anywhere takes");
-  app.add_option("--ahead", options.ahead, "frames ahead on the path that are decoded too")
+               "draw decoded images only, coarsest first, without waiting; pictures then depend on the speed of the "
+               "machine");
+  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure a jump");
+  app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--memory", options.memory, "that decoded data may take in all: 800M, 2G")->capture_default_str();
-  app.add_option("--upload", options.upload, "bytes to the GPU a frame, with --no-wait")->capture_default_str();
-  app.add_option("--lifetime", options.lifetime, "frames that an unused image of one sample is kept")
+  app.add_option("--memory", options.memory, "keep decoded data within this memory, GPU included, such as 800M or 2G")
+      ->capture_default_str();
+  app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
+      ->capture_default_str();
+  app.add_option("--lifetime", options.lifetime, "keep an unused image of one sample for this many frames")
       ->check(number_in(0.0f, 1e6f))
       ->capture_default_str();
-  app.add_option("--lifetime-factor", options.lifetime_factor, "times that for each level of the pyramid above")
+  app.add_option("--lifetime-factor", options.lifetime_factor,
+                 "keep images of each coarser level of the pyramid this many times longer")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "threads that decode; 0: all cores")
+  app.add_option("--threads", options.threads, "decode with this many threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--debug-picture", options.debug_picture,
-                 "picture of the playback, a column a frame: what was there of each layer, what was decoded, memory");
-  app.add_option("--exposure", options.exposure, "brightness of the frames")
+                 "write a picture of the playback, one column per frame: available and late images per layer, decoded "
+                 "images, memory");
+  app.add_option("--exposure", options.exposure, "multiply the brightness of the frames by this")
       ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();
   add_context_option(app, options.context);

@@ -87,9 +87,10 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
 }  // namespace
 
 void add_probe_options(CLI::App& app, ProbeOptions& options) {
-  app.add_option("request", options.request, "request, JSON (docs/reference/file_format.md)")->required();
-  app.add_option("--threads", options.threads, "threads of decoding (default: all cores)")->check(CLI::Range(1, 1024));
-  app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text: OUTPUT.mtx");
+  app.add_option("request", options.request, "request to read, JSON (docs/reference/inferred_textures.md)")->required();
+  app.add_option("--threads", options.threads, "use this many threads (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text, OUTPUT.mtx");
   add_context_option(app, options.context);
 }
 

@@ -194,16 +194,17 @@ void draw_all(const SampleOptions& options, TextureSource& source) {
 }  // namespace
 
 void add_sample_options(CLI::App& app, SampleOptions& options) {
-  app.add_option("folder", options.folder, "what multum infer wrote, or its inferred.json, or a file of multum pack")
+  app.add_option("folder", options.folder, "folder of `multum infer`, its inferred.json, or a packed field, *.mpt")
       ->required();
-  app.add_option("--at", options.samples,
-                 "sample to draw: its index along each parameter, e.g. 3,5, or its name; repeatable, with as many -o")
+  app.add_option(
+         "--at", options.samples,
+         "draw this sample: its index along each parameter, such as 3,5, or its name; repeatable, with an -o each")
       ->required()
       ->allow_extra_args(false);  // or it takes the folder, where that comes last
-  app.add_option("-o,--output", options.outputs, "picture of each sample: .png (sRGB) or .exr (linear floats)")
+  app.add_option("-o,--output", options.outputs, "picture of each sample to write: .png (sRGB) or .exr (linear floats)")
       ->required()
       ->allow_extra_args(false);
-  app.add_option("--exposure", options.exposure, "brightness of a PNG")
+  app.add_option("--exposure", options.exposure, "multiply the brightness of PNG pictures by this")
       ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();
   add_context_option(app, options.context);

@@ -19,11 +19,12 @@ namespace multum {
 
 void add_lod_options(CLI::App& app, LodOptions& options) {
   PictureOptions& picture = options.picture;
-  app.add_option("file", options.file, "pyramid of heights or positions, as multum lod writes it")->required();
+  app.add_option("file", options.file, "pyramid of heights or positions of `multum lod`")->required();
   add_picture_option(app, picture.output)->required();
   add_detail_options(app, options.detail);
-  app.add_option("--patches", options.patch_steps,
-                 "take the level's points as control points of bicubic B-spline patches, so many cells along each side")
+  app.add_option(
+         "--patches", options.patch_steps,
+         "use the points of the level as control points of bicubic B-spline patches with this many cells per side")
       ->check(CLI::Range(1, kPatchStepsMax));
   add_camera_options(app, picture.camera);
   add_light_options(app, picture.light);

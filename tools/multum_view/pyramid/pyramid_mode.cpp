@@ -60,7 +60,7 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
     return lights;
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::kInput,
-                path + ": found settings that do not say its lights, expected those of `multum reflectance`");
+                path + ": its settings name no lights, expected the settings of `multum reflectance`");
   }
 }
 
@@ -219,13 +219,14 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
                                                options.file, pyramid_kind_name(header.kind)));
   if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: is a map over normals, for a surface, found {}, expected {}", options.file,
+                fmt::format("{}: a map over normals needs one surface, found {}, expected {}", options.file,
                             options.surface.mesh.empty() ? "none" : "two", "--mesh or --surface"));
   if (!by_normal && !(options.surface.mesh.empty() && options.surface_pyramid.empty()))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is a pyramid of colours and lies on the plane, found {}",
-                                               options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: a pyramid of colours is drawn on the plane, found {}, expected no surface",
+                            options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
   if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
-    throw Error(ErrorCode::kUsage, "--surface-level, --surface-spacing: found no --surface, expected one");
+    throw Error(ErrorCode::kUsage, "--surface-level and --surface-spacing need --surface, found none");
 }
 
 void write_pyramid_report(const PyramidOptions& options, const std::string& path, const nlohmann::json& facts) {
@@ -241,37 +242,39 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
-         "look the pyramid up in these ways, a list of nearest, bilinear (finest level), level (the longer side of the "
-         "pixel), driver, and reference (supersampled)")
+         "look up the pyramid in these ways: a list of nearest, bilinear (finest level), level (by the longer side of "
+         "a "
+         "pixel), driver, reference (supersampled)")
       ->default_str("level");
   app.add_option("--shifts", options.shifts,
-                 "measure the flicker of reflected light against the reference over so many sub-pixel shifts")
+                 "measure the flicker of reflected light against the reference over this many sub-pixel shifts")
       ->check(CLI::Range(2, 256));
 }
 
 }  // namespace
 
 void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
-  app.add_option("file", options.file, "pyramid of multum mip, on the plane, or of multum reflectance, on the --mesh")
+  app.add_option("file", options.file,
+                 "pyramid of `multum mip`, drawn on the plane, or of `multum reflectance`, drawn on --mesh")
       ->required();
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
   add_level_bias_option(app, options.level_bias,
-                        "number added to the level (default: 0 for colours, as the GL; -0.79 for reflected light, as "
-                        "wide as the pixel)");
-  app.add_option("--samples", options.samples, "samples per pixel of the reference")
+                        "add this to the level (default: 0 for colours; -0.79, the width of a pixel, for reflected "
+                        "light)");
+  app.add_option("--samples", options.samples, "draw the reference with this many samples per pixel")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();
   add_pictures_option(app, options.output);
   add_mesh_option(app, options.surface);
   app.add_option(
       "--surface", options.surface_pyramid,
-      "put reflected light on a pyramid of heights or positions, as multum lod writes it; but for the reference "
-      "at --surface-level, which limits its curvature");
+      "draw reflected light on this pyramid of `multum lod` at --surface-level, which limits its curvature; the "
+      "reference uses the finest level");
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
-  app.add_option("--anisotropy", options.anisotropy, "anisotropy of the driver's lookup")
+  app.add_option("--anisotropy", options.anisotropy, "set the anisotropy of the lookup by the driver")
       ->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
   add_output_options(app, options.output);
@@ -284,7 +287,7 @@ int draw_pyramid(const PyramidOptions& options) {
   check_picture_path(options.output.path);
   check_paths_differ({options.file}, {options.output.path, report});
   if (options.shifts > 0 && options.lookups.front() != "reference")
-    throw Error(ErrorCode::kUsage, "--shifts measures flicker against the reference, expected reference in --lookup");
+    throw Error(ErrorCode::kUsage, "--shifts needs the reference, found none, expected reference in --lookup");
   const Pyramid pyramid = options.expected ? read_pyramid(options.file, *options.expected) : read_pyramid(options.file);
   check_surface(options, pyramid.header);
   std::optional<gl::PhongLights> lights;

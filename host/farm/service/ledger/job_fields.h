@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fields of a job, a row each. Their columns in the ledger, their JSON, what a submission may set, the options of
-// `multum submit`, the page's rows and the schemas of docs/reference/openapi.json follow from it. To add a field: a
-// member of Job, its row, the lines that set it, and the schemas by tools/parameter_documents.
+// `multum jobs submit`, the page's rows and the schemas of docs/reference/openapi.json follow from it. To add a field:
+// a member of Job, its row, the lines that set it, and the schemas by tools/parameter_documents.
 #pragma once
 
 #include <limits>
@@ -36,7 +36,7 @@ struct JobField {
   const char* asked_described = "";  // there
   const char* expected = nullptr;    // as refusals say; null: parse_submit() looks at it by itself
   bool has_default = false;          // that of a Job, as its schema says
-  const char* option = nullptr;      // of `multum submit`
+  const char* option = nullptr;      // of `multum jobs submit`
   const char* option_help = "";
 
   bool has_column() const { return !std::holds_alternative<std::vector<std::int64_t> Job::*>(member); }

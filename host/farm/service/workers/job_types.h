@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The types of jobs, as the program that runs the farm has registered them. What the web interface accepts, what
-// `multum submit` takes as options, which command line a worker runs, which files the idempotency key is of and what
-// shows a result follow from each type's row and its table of parameters.
+// `multum jobs submit` takes as options, which command line a worker runs, which files the idempotency key is of and
+// what shows a result follow from each type's row and its table of parameters.
 #pragma once
 
 #include <atomic>

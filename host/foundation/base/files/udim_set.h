@@ -30,7 +30,8 @@ struct SetMap {
 std::vector<SetMap> maps_of_names(const std::vector<std::string>& inputs);
 
 /// Where a file of one of several maps goes: `pattern` with the map's tile, or in the folder `pattern` under the map's
-/// name with `suffix`. Empty stays empty. Throws Error(kUsage) for a pattern that is neither a folder nor has `<UDIM>`.
+/// name with `suffix`. Empty stays empty. Makes a missing folder whose name has no extension. Throws Error(kUsage) for
+/// a pattern that is neither a folder nor has `<UDIM>`.
 std::string place_of_map(const std::string& pattern, const SetMap& map, const std::string& suffix);
 
 }  // namespace multum
