@@ -130,6 +130,6 @@ class HelpTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--programs"]:
-        programs = pathlib.Path(sys.argv[2])
+        programs = pathlib.Path(sys.argv[2]).resolve()
         del sys.argv[1:3]
     sys.exit(unittest.main())

@@ -24,12 +24,12 @@ constexpr char kSharedHeading[] = "Options of many commands";
 
 constexpr char kHead[] =
     "# Commands\n\n"
-    "Every command and option of `multum` and `multum-view`, and every key of manifests, scenes and jobs. The\n"
+    "The commands and options of `multum` and `multum-view`, and the keys of manifests, scenes and jobs. The\n"
     "programs print the same texts with `--help`. `tools/parameter_documents` writes this page; do not edit it.\n\n"
     "- `multum COMMAND --help` prints the help of one command. `multum completion SHELL` and `multum man -o FOLDER`\n"
     "  write shell completion and manual pages.\n"
     "- Sizes are in texels unless a unit is named. Directions and places are `x,y,z`.\n"
-    "- An option that several commands share is described once and only named elsewhere.\n"
+    "- Options that several commands share are described once.\n"
     "- *Keys* says where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
     "  [manifest](manifests.md), *s* in `[[map]]` of a [scene](scenes.md), *j* in the parameters of a\n"
     "  [job](service.md). The key of `--first-level` is `first_level`.\n"

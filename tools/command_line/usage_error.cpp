@@ -33,7 +33,7 @@ std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
   const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
     return word.size() > 1 && word.front() == '-' && word != "--";
   });
-  // A required option that is misspelt is missing first of all.
+  // A misspelt required option causes a RequiredError.
   const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
   if ((code != CLI::ExitCodes::ExtrasError && code != CLI::ExitCodes::RequiredError) || unknown == left.end())
     return error.what();

@@ -30,7 +30,7 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
-  std::string shard;  // of several maps, or of one; empty: all of it
+  std::string shard;  // of several maps, or of one map; empty: the whole work
   int merged_shards = 0;
 };
 

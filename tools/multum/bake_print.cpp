@@ -47,7 +47,7 @@ OrderedJson bake_json(const BakeJob& job, const BakeReport& report) {
 }
 
 OrderedJson failed_bake_json(const BakeJob& job, const std::string& error) {
-  return {{"output", path_json(job.output)}, {"source", path_json(job.input)}, {"error", error}};
+  return {{"output", path_json(job.output)}, {"source", path_json(job.input)}, {"failed", error}};
 }
 
 }  // namespace multum

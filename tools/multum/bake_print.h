@@ -20,7 +20,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
 
 /// The report as --json prints it: "output", then the keys of --report.
 OrderedJson bake_json(const BakeJob& job, const BakeReport& report);
-/// The entry of a map that failed: "source", "output", "error".
+/// The entry of a map that failed: "output", "source", and why in "failed".
 OrderedJson failed_bake_json(const BakeJob& job, const std::string& error);
 
 }  // namespace multum

@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Options that every command shares.
+/// Options that most commands share.
 struct CommonOptions {
   int threads = 0;  // 0: all cores
   bool verbose = false;

@@ -116,7 +116,7 @@ int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& comm
       print_shown(stderr, "multum: %s\n", error.what());
       if (code == 0) code = exit_code(error.code());
       maps.push_back(
-          {{"output", path_json(jobs[i].output)}, {"input", path_json(jobs[i].input)}, {"error", error.what()}});
+          {{"output", path_json(jobs[i].output)}, {"input", path_json(jobs[i].input)}, {"failed", error.what()}});
       ++failed;
     }
   }

@@ -26,12 +26,6 @@ inline bool prints_text(const CommonOptions& options) { return !options.quiet &&
 /// Prints the document, indented, with control characters escaped.
 void print_json(const OrderedJson& json);
 
-/// Prints the document if --json was given. `make` is called only then.
-template <typename Make>
-void print_json_if(const CommonOptions& options, Make make) {
-  if (options.json) print_json(make());
-}
-
 /// The parsed document of a text that this program made.
 OrderedJson parsed(const std::string& json_text);
 

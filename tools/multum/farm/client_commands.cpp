@@ -115,7 +115,7 @@ void print_fields(const Json& job) {
 struct SubmitOptions {
   ClientOptions client;
   std::string output;
-  Job asked;  // of it the fields that have an option; `deadline` in seconds from now
+  Job asked;  // only fields that have an option; `deadline` is in seconds from now
   bool again = false, wait = false;
   std::map<std::string, std::string> values;
   std::map<std::string, bool> flags;
