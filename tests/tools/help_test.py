@@ -97,8 +97,8 @@ class HelpTest(unittest.TestCase):
             self.assertIn("multum jobs list", (folder / "multum-jobs.1").read_text())
             if shutil.which("groff"):
                 for path in folder.iterdir():
-                    done = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z", path], capture_output=True, text=True,
-                                          check=True)
+                    done = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z", path], capture_output=True,
+                                          text=True, check=True)
                     self.assertEqual(done.stderr, "", path.name)
 
     def complete(self, *words):

@@ -33,7 +33,7 @@ constexpr char kHead[] =
     "- *Keys* says where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
     "  [manifest](manifests.md), *s* in `[[map]]` of a [scene](scenes.md), *j* in the parameters of a\n"
     "  [job](service.md). The key of `--first-level` is `first_level`.\n"
-    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, or 800M, 2G and so on.\n"
+    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, or 800M, 2G.\n"
     "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). A parameter without it changes\n"
     "  no content.\n"
     "- Commands return the [exit codes](exit_codes.md). With `--json` they print one JSON document on stdout, and\n"

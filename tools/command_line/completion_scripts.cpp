@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// All three scripts find the command by walking the words typed so far; "multum jobs list" is then the key of its
-// options. Choices are keyed by command and option.
+// In zsh, `options` and `commands` are special parameters: the script has other names. All three scripts find the
+// command by walking the words typed so far; "multum jobs list" is then the key of its options. Choices are keyed by
+// command and option.
 #include "tools/command_line/completion_scripts.h"
 
 #include <fmt/format.h>
@@ -123,11 +124,11 @@ complete -o filenames -F {1} {0}
 std::string zsh_script(const CommandText& program) {
   std::string arms;
   for_each_command(program, [&](const CommandText& one) {
-    arms += fmt::format("    ({})\n      options=(", quoted(one.words));
+    arms += fmt::format("    ({})\n      option_list=(", quoted(one.words));
     for (const OptionText& option : one.options)
       for (const std::string& name : {option.short_name, option.long_name})
         if (!name.empty()) arms += "\n        " + quoted(name + ":" + one_line(option.help));
-    arms += ")\n      commands=(";
+    arms += ")\n      command_list=(";
     for (const CommandText& child : one.commands)
       arms += "\n        " + quoted(child.name + ":" + one_line(child.help));
     arms += ") ;;\n";
@@ -139,22 +140,22 @@ std::string zsh_script(const CommandText& program) {
       R"(#compdef {0}
 # Completion of {0} for zsh. Load it after compinit: source <({0} completion zsh)
 {1}() {{
-  local command={2} i
-  local -a options commands
+  local line={2} i
+  local -a option_list command_list
   for ((i = 2; i < CURRENT; ++i)); do
-    case "$command $words[i]" in
-    ({3}) command="$command $words[i]" ;;
+    case "$line $words[i]" in
+    ({3}) line="$line $words[i]" ;;
     esac
   done
-  case "$command:$words[CURRENT-1]" in
+  case "$line:$words[CURRENT-1]" in
 {4}    (*) ;;
   esac
-  case "$command" in
+  case "$line" in
 {5}  esac
   if [[ $words[CURRENT] == -* ]]; then
-    _describe -o option options
+    _describe -o option option_list
   else
-    (( $#commands )) && _describe command commands
+    (( $#command_list )) && _describe command command_list
     _files
   fi
 }}

@@ -20,7 +20,7 @@ std::vector<Parameter> gltf_rows() {
   return {{.name = "format",
            .kind = Kind::kChoice,
            .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2 outside of that extension) or"
-                   " png (only level 0); auto: see below",
+                   " png (only level 0); auto chooses for each texture",
            .default_text = "auto",
            .choices = choice_names(kGltfTextureFormats),
            .group = kStorageGroup,
