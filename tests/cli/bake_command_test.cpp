@@ -123,7 +123,7 @@ TEST_F(BakeCommandTest, FirstLevelStoresTheSamePixelsFromThereOn) {
     EXPECT_TRUE(contains(verify.out, levels)) << verify.out;
     const ProgramResult info = multum({"info", path("map.ndf.exr")});
     EXPECT_TRUE(contains(info.out, levels)) << info.out;
-    expect_says(info.out, {"the normal map itself"});
+    expect_says(info.out, {"besides the normal map"});
     EXPECT_TRUE(contains(info.out, fmt::format("\"first_level\":{}", first_level))) << info.out;
     const std::string table = result.out.substr(result.out.find("measured error"));
     EXPECT_TRUE(contains(info.out, table)) << "the bake printed\n" << table << "info prints\n" << info.out;
@@ -387,9 +387,15 @@ TEST_F(BakeCommandTest, AMapTiltedFarHasErrorsThatSaySomething) {
   for (const nlohmann::json& row : report["measured_error"]) EXPECT_LT(row["relative_l1"].get<double>(), 0.01) << row;
 }
 
-TEST_F(BakeCommandTest, TestmapSaysHowItIsBaked) {
-  const ProgramResult made = multum({"testmap", path("map"), "--size", "16"});
-  EXPECT_TRUE(contains(made.out, "bake with --green up")) << made.out;
+TEST_F(BakeCommandTest, TestmapSaysItsGreenAndABakeDetectsIt) {
+  for (const auto& [green, words] : {std::pair{"up", "up (OpenGL)"}, std::pair{"down", "down (DirectX)"}}) {
+    const ProgramResult made = multum({"testmap", path(green), "--size", "64", "--write-green", green});
+    expect_says(made.out, {"green points ", words});
+    const ProgramResult bake =
+        multum({"bake", path(std::string(green) + "_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"});
+    expect_says(bake.err, {std::string("green ") + words});
+    EXPECT_FALSE(contains(bake.err, "warning")) << bake.err;
+  }
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
@@ -622,7 +628,7 @@ TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
                            "{auto,height,normal,packed16,packed24,terrarium,mapbox}=auto", "{none,black,box3}=box3",
                            "{auto,black,clamp,periodic,mirror}", "--lobes INT in [1, 8]=4",
                            "--compression none|rle|piz|zip[:1-9]|zips[:1-9]=zip:1", "--first-level INT in [0, 15]=0",
-                           "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
+                           "PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;
   for (const char* part : {"->", "ENUM"}) EXPECT_FALSE(contains(help.out, part)) << part;
 }

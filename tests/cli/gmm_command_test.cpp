@@ -34,7 +34,7 @@ TEST_F(GmmCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   for (const char* line :
        {"representation  gmm: 3 planar Gaussians per texel, with a colour each", "64 x 64, 7 levels",
-        "encoding        snorm16; variances down to 3.3e-05 survive it", "\"representation\":\"gmm\"", "\"lobes\":3"})
+        "encoding        snorm16; keeps variances down to 3.3e-05", "\"representation\":\"gmm\"", "\"lobes\":3"})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   const ProgramResult verify = multum({"verify", path("map.ndf.exr")});
   EXPECT_EQ(verify.exit_code, 0) << verify.out;

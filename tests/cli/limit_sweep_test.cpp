@@ -48,7 +48,7 @@ class LimitSweepTest : public CliTest {
         {multum, "plan", path("scene.toml")},
         {multum, "info", path("movmf.ndf.exr")},
         {multum, "verify", path("movmf.ndf.exr")},
-        {multum, "devices", "--json", out("a.json")},
+        {multum, "devices", "--report", out("a.json")},
         {multum, "testmap", out("a"), "--size", "64"},
         {multum, "mip", path("map_albedo.png"), "-o", out("a.exr")},
         {multum, "materials", path("model.gltf"), "-o", out("a")},

@@ -139,7 +139,7 @@ TEST_F(RefusalTest, SettingsOutsideTheirRanges) {
 TEST_F(RefusalTest, OutputsThatCannotBe) {
   const std::string map = path("map_normal.png");
   const auto bake = [&](const std::string& output) { return multum({"bake", map, "-o", output}); };
-  expect_failure(bake(path("none/map.ndf.exr")), kEnvironment, {"none/map.ndf.exr", "not exist"});
+  expect_failure(bake("/proc/none/map.ndf.exr"), kEnvironment, {"/proc/none", "folder"});
   expect_failure(bake(path("out")), kUsage, {path("out"), "expected"});
   expect_failure(bake(path("out/map.png")), kUsage, {"out/map.png", ".ndf.exr"});
   std::filesystem::create_directory(path("out/folder.exr"));
@@ -147,8 +147,8 @@ TEST_F(RefusalTest, OutputsThatCannotBe) {
   std::filesystem::remove(path("out/folder.exr"));
   // Nobody can write here, not even root.
   expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "created"});
-  expect_failure(multum({"bake", map, "-o", path("out/map.exr"), "--report", path("none/r.json")}), kEnvironment,
-                 {"none/r.json", "not exist"});
+  expect_failure(multum({"bake", map, "-o", path("out/map.exr"), "--report", "/proc/none/r.json"}), kEnvironment,
+                 {"/proc/none", "folder"});
   expect_failure(multum({"bake", map, "-o", path("map_albedo.exr"), "--albedo", path("map_albedo.exr")}), kUsage,
                  {"map_albedo.exr", "twice"});
   EXPECT_EQ(out_names(), std::set<std::string>());
@@ -263,8 +263,8 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(
       multum({}), kUsage,
       {"no command",
-       "bake export gltf plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
-       "animation infer pack unpack player look shaders",
+       "bake plan tradeoff info verify materials testmap mip reflectance lod export gltf look shaders animation infer "
+       "pack unpack player",
        "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});
@@ -277,7 +277,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({"info"}), kUsage, {"file", "required", "multum info --help"});
   expect_failure(multum({"verify"}), kUsage, {"file", "required", "multum verify --help"});
   expect_failure(multum({"testmap"}), kUsage,
-                 {"prefix", "required", "Usage: multum testmap", "multum testmap out/test", "multum testmap --help"});
+                 {"required", "Usage: multum testmap", "multum testmap out/test", "multum testmap --help"});
   expect_failure(multum({"testmap", path("t"), "--size", "17"}), kUsage, {"--size", "17", "even"});
   expect_failure(multum({"testmap", path("t"), "--size", "8"}), kUsage, {"--size", "16 to 32768"});
   EXPECT_EQ(out_names(), std::set<std::string>());
@@ -294,12 +294,10 @@ TEST_F(RefusalTest, CommandsThatABuildLacks) {
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
       EXPECT_EQ(std::string(error.what()),
-                "serve: this build of multum has no farm; expected one that was configured with the CMake option "
-                "-DMULTUM_FARM=ON");
+                "serve: this build of multum has no farm; expected a build with the CMake option -DMULTUM_FARM=ON");
     }
   }
-  for (const char* name :
-       {"openjd", "serve", "rescue", "submit", "list", "show", "tail", "wait", "cancel", "retry", "purge"}) {
+  for (const char* name : {"openjd", "serve", "jobs"}) {
     if (has_command(name)) continue;
     expect_failure(multum({name, "x", "--json"}), kUsage, {name, "no farm", "-DMULTUM_FARM=ON"});
   }

@@ -15,7 +15,7 @@ namespace {
 class SelftestCommandTest : public CliTest {};
 
 TEST_F(SelftestCommandTest, NamesTheDeviceAndEveryCase) {
-  const ProgramResult result = multum({"selftest", "--filter", "movmf_level_zero", "--json", path("verdicts.json")});
+  const ProgramResult result = multum({"selftest", "--filter", "movmf_level_zero", "--report", path("verdicts.json")});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   for (const char* part : {"device  ", "driver", "a-dead-lobe-takes-nothing", "any-normal-gets-a-lobe",
                            "a-lobe-of-no-direction", "ok", "4 cases, 0 broken"})

@@ -71,7 +71,7 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   std::vector<std::string> best_effort = impossible;
   best_effort.push_back("--best-effort");
   const ProgramResult written = bake(best_effort);
-  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "are written"});
+  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "were written"});
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
   // An exponent that is not one of the usual ones is not stored in the file.
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));

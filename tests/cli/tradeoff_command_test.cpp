@@ -42,7 +42,7 @@ bool is_beaten(const nlohmann::json& one, const nlohmann::json& rows) {
 }
 
 TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
-  const ProgramResult swept = multum(command({"--json", path("costs.json"), "--markdown", path("costs.md"),
+  const ProgramResult swept = multum(command({"--report", path("costs.json"), "--markdown", path("costs.md"),
                                               "--target-error", "0.3", "--brdf", "blinn-phong:50"}));
   ASSERT_EQ(swept.exit_code, 0) << swept.err;
   EXPECT_EQ(folder_.names(),
@@ -102,7 +102,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   const std::uint64_t bytes_max = 33000;
   const auto sweep = [&](const std::string& map, std::vector<std::string> options) {
     options.insert(options.begin(), {"tradeoff", path(map), "-o", path("costs.html"), "--green", "up", "--quick",
-                                     "--no-pictures", "--json", path("costs.json")});
+                                     "--no-pictures", "--report", path("costs.json")});
     return multum(options);
   };
   const ProgramResult swept =
@@ -172,7 +172,7 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   write_test_image(path("map_gloss.png"), gloss);
   const ProgramResult swept =
       multum({"tradeoff", path("map_normal.png"), "-o", path("costs.html"), "--green", "up", "--quick", "--gloss",
-              path("map_gloss.png"), "--json", path("costs.json"), "--context", "osmesa", "--max-bytes", "1G"});
+              path("map_gloss.png"), "--report", path("costs.json"), "--context", "osmesa", "--max-bytes", "1G"});
   ASSERT_EQ(swept.exit_code, 0) << swept.err;
   const nlohmann::json json = nlohmann::json::parse(read_bytes(path("costs.json")));
   const nlohmann::json& rows = json["rows"];
@@ -197,7 +197,7 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
       EXPECT_TRUE(contains(*shown, part)) << part;
   }
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--brdf", "lambert"})).exit_code, kUsage);
-  EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--json", path("map_gloss.png")})).exit_code, kUsage);
+  EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--report", path("map_gloss.png")})).exit_code, kUsage);
 }
 
 TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {

@@ -102,7 +102,7 @@ class JobFilesTest(ClientCase):
                 self.assertTrue(job["output"].endswith(f"/{text}.ndf.exr"), job["output"])
                 self.assertTrue(job["parameters"]["input"].endswith(f"/{text}.png"), job)
                 self.assertTrue(os.path.exists(result), os.listdir(root))
-                listed = subprocess.run([MULTUM, "list"], capture_output=True, check=True,
+                listed = subprocess.run([MULTUM, "jobs", "list"], capture_output=True, check=True,
                                         env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}"))
                 self.assertIn(result, listed.stdout)
                 status, headers, data = self.download(number)

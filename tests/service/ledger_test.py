@@ -52,7 +52,8 @@ class LedgerTest(ClientCase):
         self.damage()
         service.start(wait=False)
         self.assertEqual(service.process.wait(30), 3)
-        rescued = subprocess.run([MULTUM, "rescue", service.data], capture_output=True, text=True, check=True)
+        rescued = subprocess.run([MULTUM, "serve", "--rescue", "--data", service.data], capture_output=True, text=True,
+                                 check=True)
         self.assertRegex(rescued.stdout, r"(?m)^jobs +2 rows saved, 0 ")
         self.assertIn("jobs.sqlite.damaged-1", rescued.stdout)
         service.start()
@@ -69,7 +70,7 @@ class LedgerTest(ClientCase):
         os.rename(ledger, os.path.join(self.folder, "away"))
         service.start(wait=False)
         self.assertEqual(service.process.wait(30), 4)
-        for words in ("jobs.sqlite", "missing", "multum rescue", "--new-ledger"):
+        for words in ("jobs.sqlite", "missing", "multum serve --rescue", "--new-ledger"):
             self.assertIn(words, service.log_text().splitlines()[-1])
         self.assertFalse(os.path.exists(ledger))
         service.options.append("--new-ledger")

@@ -194,7 +194,7 @@ class ClientCase(ServiceCase):
         return self.service.submit(type="drill", parameters=parameters, **job)
 
     def client(self, *arguments, code=0):
-        done = subprocess.run([MULTUM, *arguments], capture_output=True, text=True, check=False, timeout=60,
+        done = subprocess.run([MULTUM, "jobs", *arguments], capture_output=True, text=True, check=False, timeout=60,
                               env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stdout + done.stderr

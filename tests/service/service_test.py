@@ -30,7 +30,7 @@ class ServiceTest(ClientCase):
             terminal, inner = pty.openpty()
         except OSError:
             self.skipTest("there are no pseudo terminals")
-        client = subprocess.Popen([MULTUM, *arguments], stdin=inner, stdout=inner, stderr=inner,
+        client = subprocess.Popen([MULTUM, "jobs", *arguments], stdin=inner, stdout=inner, stderr=inner,
                                   env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{self.service.port}"))
         os.close(inner)
         shown = b""
@@ -64,7 +64,8 @@ class ServiceTest(ClientCase):
         self.assertEqual(len(listed), 2, listed)
         self.assertIn("(b\u00e4d line ...)", listed[0])
         self.assertLess(max(map(len, listed)), 250)
-        self.assertEqual(json.loads(self.client("show", str(ids[1])))["message"], lines, "all of it")
+        shown = json.loads(self.client("show", str(ids[1]), "--json"))["jobs"][0]
+        self.assertEqual(shown["message"], lines, "all of it")
 
     def test_systemd_is_told(self):
         path = os.path.join(self.folder, "notify")
@@ -150,7 +151,7 @@ class ServiceTest(ClientCase):
                 self.assertIn(b"31m", shown)
         # A pipe receives the log unchanged.
         self.assertIn(source, self.client("tail", "1", code=1))
-        self.assertEqual(json.loads(self.client("show", "1"))["message"], job["message"])
+        self.assertEqual(json.loads(self.client("show", "1", "--json"))["jobs"][0]["message"], job["message"])
 
     def test_cancelled_in_any_state(self):
         service = self.start(QUICK + "workers = 1\ncancel_grace_s = 1\n")
@@ -224,7 +225,7 @@ class ServiceTest(ClientCase):
             self.assertLess(time.monotonic(), deadline, "the daemon still keeps listeners that have left")
         number = self.drill(20)
         environment = dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
-        with subprocess.Popen([MULTUM, "wait", str(number)], env=environment, stdout=subprocess.PIPE,
+        with subprocess.Popen([MULTUM, "jobs", "wait", str(number)], env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True) as waiting:
             deadline = time.monotonic() + 30
             while service.metric("multum_http_event_streams") != 1:
@@ -462,8 +463,8 @@ class ServiceTest(ClientCase):
             self.assertLess(time.monotonic(), deadline, "the daemon does not listen")
             time.sleep(0.02)
         self.assertEqual(os.stat(path).st_mode & 0o777, 0o600)
-        done = subprocess.run([MULTUM, "submit", "drill", "--wait", "--server", "unix:" + path], capture_output=True,
-                              text=True, check=False, timeout=60)
+        done = subprocess.run([MULTUM, "jobs", "submit", "drill", "--wait", "--server", "unix:" + path],
+                              capture_output=True, text=True, check=False, timeout=60)
         self.assertEqual(done.returncode, 0, done.stderr)
         process.terminate()
         self.assertEqual(process.wait(30), 0)

@@ -128,7 +128,7 @@ const steps = {
 
   async anEmptyListSaysWhatToDo() {
     const page = await openPage();
-    await page.getByText("multum submit bake").waitFor();
+    await page.getByText("multum jobs submit bake").waitFor();
     await page.context().close();
   },
 

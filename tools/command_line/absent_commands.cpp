@@ -6,21 +6,29 @@
 #include "host/foundation/base/error.h"
 
 namespace multum {
+namespace {
+
+void add_refused(CLI::App& app, const std::string& name, const std::string& message) {
+  CLI::App* const command = app.add_subcommand(name, "");
+  command->group("");
+  command->set_help_flag();
+  command->prefix_command();
+  command->callback([message] { throw Error(ErrorCode::kUsage, message); });
+}
+
+}  // namespace
 
 void add_absent_commands(CLI::App& app, const std::vector<std::string>& names, const std::string& part,
                          const std::string& option) {
-  for (const std::string& name : names) {
-    CLI::App* const command = app.add_subcommand(name, "");
-    command->group("");
-    command->set_help_flag();
-    command->prefix_command();
-    command->callback([program = app.get_name(), name, part, option] {
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: this build of {} has no {}; expected one that was configured with "
-                              "the CMake option -D{}=ON",
-                              name, program, part, option));
-    });
-  }
+  for (const std::string& name : names)
+    add_refused(app, name,
+                fmt::format("{}: this build of {} has no {}; expected a build with the CMake option -D{}=ON", name,
+                            app.get_name(), part, option));
+}
+
+void add_moved_command(CLI::App& app, const std::string& name, const std::string& new_name) {
+  add_refused(app, name,
+              fmt::format("unknown command '{}', expected its new name: {} {}", name, app.get_name(), new_name));
 }
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of a part that this build of a program leaves out.
+// Refuses commands that this build of a program leaves out, and former names of commands.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,9 +8,12 @@
 
 namespace multum {
 
-/// Commands that the help does not show. Whatever their options, each throws Error(kUsage), which says that this build
-/// has no `part` and which option of CMake adds it.
+/// Adds hidden commands that take any options and throw Error(kUsage): this build has no `part`; `option` of CMake adds
+/// it.
 void add_absent_commands(CLI::App& app, const std::vector<std::string>& names, const std::string& part,
                          const std::string& option);
+
+/// Adds a hidden command that takes any options and throws Error(kUsage) with its new name, "jobs submit".
+void add_moved_command(CLI::App& app, const std::string& name, const std::string& new_name);
 
 }  // namespace multum

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of files that are too long for any file system are refused here, before a command does anything.
+// Before a command does anything: refuses names that are too long for any file system, and makes the folders of
+// outputs.
 #include "tools/command_line/before_command.h"
 
 #include <fmt/format.h>
@@ -14,15 +15,21 @@
 #include <string>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/messages/option_words.h"
+#include "tools/command_line/chosen_command.h"
 
 namespace multum {
 namespace {
 
-// Options whose values are texts: of a job, of a curve through parameters, of a device.
+// Options whose values are not file names: a job's label, a curve through parameters, a device.
 constexpr const char* kTexts[] = {"label", "name", "path", "device"};
 
-// JSON and addresses are not names of files either.
+// Options that name a file or folder to write, or a prefix of files.
+constexpr const char* kOutputs[] = {"output",   "report",   "page",    "player",         "junit",        "summary",
+                                    "markdown", "pictures", "shaders", "keep-reference", "debug-picture"};
+
+// JSON and addresses are not file names either.
 bool is_name(const CLI::Option& option, const std::string& value) {
   return std::none_of(std::begin(kTexts), std::end(kTexts),
                       [&](const char* name) { return option.check_lname(name); }) &&
@@ -49,10 +56,18 @@ void check_values(const CLI::App& app) {
     check_values(*command);
 }
 
-// The command that runs: a subcommand, where there is one.
-const CLI::App& command_of(const CLI::App& app) {
-  const std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App* one) { return one->parsed(); });
-  return commands.empty() ? app : *commands.front();
+// NewFolders removes a folder that stays empty, so that a command that fails leaves none.
+void make_output_folders(const CLI::App& command) {
+  if (command.get_option_no_throw("--server") != nullptr) return;  // its output is on the disk of the service
+  for (const CLI::Option* option : command.get_options()) {
+    const bool is_output = std::any_of(std::begin(kOutputs), std::end(kOutputs),
+                                       [&](const char* name) { return option->check_lname(name); });
+    if (!is_output) continue;
+    for (const std::string& path : option->results()) {
+      const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+      if (!folder.empty()) make_folder(folder.string());
+    }
+  }
 }
 
 std::set<std::string> option_names(const CLI::App& command) {
@@ -70,7 +85,8 @@ std::set<std::string> option_names(const CLI::App& command) {
 void prepare_commands(CLI::App& app) {
   app.parse_complete_callback([&app] {
     check_values(app);
-    set_option_words(option_names(command_of(app)));
+    set_option_words(option_names(chosen_command(app)));
+    make_output_folders(chosen_command(app));
   });
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An option that takes one of some names. CLI11's own transformers would take, and show, the enumerators' numbers too.
+// Adds options that take one of several names. Transformers of CLI11 would also accept and show the numbers of the
+// enumerators.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace multum {
 
-/// `value` may be an optional: it stays unset, and --help shows no default, until the option is given. `choices` must
+/// `value` may be an optional: it stays unset until the option is given, and --help shows no default. `choices` must
 /// outlive the app.
 template <typename Target, typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& option, Target& value, const Choices<Value>& choices,

@@ -13,7 +13,7 @@ namespace multum {
 namespace {
 
 constexpr int kSecondsMax = 86400;
-constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // its libraries take half of that
+constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // the libraries of the child take half of this
 
 std::optional<std::uint64_t> byte_count(std::string text) {
   std::uint64_t bytes = 0;
@@ -26,7 +26,7 @@ std::optional<std::uint64_t> byte_count(std::string text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(bytes) : std::nullopt;
 }
 
-// What "child", "child:SECONDS" and "child:SECONDS,MEMORY" mean; none: none of these.
+// Parses "child", "child:SECONDS" and "child:SECONDS,MEMORY"; nullopt for any other text.
 std::optional<DecodingChild> child_of(std::string_view text) {
   DecodingChild child;
   if (text == "child") return child;
@@ -55,8 +55,8 @@ void add_decoding_option(CLI::App& app, std::string* as_given) {
            set_image_opener(open_in_child(child));
            set_mesh_child(child);
          },
-         "limits of the child process that decodes images and meshes, for one file; large files get more: 30 s and 1 "
-         "GiB, or as given, e.g. child:120,4G")
+         "limit time and memory of the child process that decodes one image or mesh (default: 30 s, 1 GiB), such as "
+         "child:120,4G; large files get more")
       ->check(CLI::Validator(
           [](std::string& text) {
             return child_of(text)

@@ -8,35 +8,37 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/nearest_name.h"
 #include "host/foundation/base/shown_text.h"
+#include "tools/command_line/chosen_command.h"
 
 namespace multum {
 namespace {
 
-// The table of docs/reference/exit_codes.md.
+// The exit codes of docs/reference/exit_codes.md.
 constexpr char kExitCodes[] =
     "\nExit codes:\n"
     "  0    done: the output is complete on disk\n"
-    "  1    an unexpected error, a fault of the program\n"
-    "  2    the command line is wrong\n"
-    "  3    a file cannot be used\n"
-    "  4    no device, no driver, no memory, no disk: worth trying again\n"
-    "  5    a check failed\n"
-    "  130  cancelled by SIGINT or SIGTERM: worth trying again\n";
+    "  1    unexpected error: a bug of the program\n"
+    "  2    wrong command line\n"
+    "  3    unusable input file\n"
+    "  4    missing device, driver, memory or disk space: try again later\n"
+    "  5    failed check\n"
+    "  130  cancelled by SIGINT or SIGTERM: run again\n";
 
 }  // namespace
+
+std::string exit_codes_text() { return kExitCodes; }
 
 std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
   const std::vector<std::string> left = app.remaining(true);
   const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
     return word.size() > 1 && word.front() == '-' && word != "--";
   });
-  // A required option that is misspelt is missing first of all.
+  // A misspelt required option causes a RequiredError.
   const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
   if ((code != CLI::ExitCodes::ExtrasError && code != CLI::ExitCodes::RequiredError) || unknown == left.end())
     return error.what();
-  const std::vector<const CLI::App*> chosen = app.get_subcommands([](const CLI::App* one) { return one->parsed(); });
   std::vector<std::string> names;
-  for (const CLI::Option* const option : (chosen.empty() ? app : *chosen.front()).get_options())
+  for (const CLI::Option* const option : chosen_command(app).get_options())
     if (!option->get_group().empty() && !option->get_lnames().empty())  // those in the help
       names.push_back("--" + option->get_lnames().front());
   const std::string word = unknown->substr(0, unknown->find('='));
@@ -46,12 +48,12 @@ std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
 
 namespace {
 
-// How the command is called, and the examples of its help: for whoever has left out what it needs.
-std::string usage_and_examples(const CLI::App& command, const std::string& program) {
-  std::string text = command.get_formatter()->make_help(&command, program, CLI::AppFormatMode::Normal);
+// The usage line and the examples of a command's help, for a command line that lacks a required option.
+std::string usage_and_examples(const CLI::App& command) {
+  std::string text = command.get_formatter()->make_help(&command, command_words(command), CLI::AppFormatMode::Normal);
   const std::size_t usage = text.find("Usage: ");
   text = usage == std::string::npos ? "" : text.substr(usage, text.find('\n', usage) - usage + 1);
-  std::istringstream description(command.get_description());
+  std::istringstream description(command.get_description() + "\n" + command.get_footer());
   for (std::string line; std::getline(description, line);)
     if (line.starts_with("  multum")) text += line + "\n";
   return text;
@@ -60,21 +62,22 @@ std::string usage_and_examples(const CLI::App& command, const std::string& progr
 }  // namespace
 
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-  const std::vector<CLI::App*> chosen = app->get_subcommands();
-  const auto is_shown = [](const CLI::App* command) { return !command->get_group().empty(); };  // in the help
-  const std::vector<const CLI::App*> commands = app->get_subcommands(is_shown);
-  std::string text = app->get_name() + ": " + parse_error_text(*app, error);
-  if (chosen.empty() && !commands.empty()) {
-    const std::vector<std::string> unknown = app->remaining();
-    text = app->get_name() + (unknown.empty() ? ": no command given" : ": unknown command '" + unknown.front() + "'");
-    text += ", expected one of:";
-    for (const CLI::App* command : commands) text += " " + command->get_name();
-  }
-  const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
+  const CLI::App& command = chosen_command(*app);
+  const auto is_shown = [](const CLI::App* one) { return !one->get_group().empty(); };  // in the help
+  const std::vector<const CLI::App*> commands = command.get_subcommands(is_shown);
+  const std::string words = command_words(command);
   const bool is_incomplete = static_cast<CLI::ExitCodes>(error.get_exit_code()) == CLI::ExitCodes::RequiredError;
-  if (is_incomplete && !chosen.empty()) text += "\n" + usage_and_examples(*chosen.front(), program);
-  else text += "\n";
-  return text + "See '" + program + " --help'.\n";
+  std::string text = app->get_name() + ": " + parse_error_text(*app, error);
+  if (!commands.empty()) {
+    const std::vector<std::string> unknown = command.remaining();
+    text = words + (unknown.empty() ? ": no command given" : ": unknown command '" + unknown.front() + "'");
+    text += ", expected one of:";
+    for (const CLI::App* one : commands) text += " " + one->get_name();
+    text += "\n";
+  } else {
+    text += "\n" + (is_incomplete && &command != app ? usage_and_examples(command) : "");
+  }
+  return text + "See '" + words + " --help'.\n";
 }
 
 int print_parse_error(const CLI::App& app, const CLI::ParseError& error) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake: options as maketx names them where it has them.
+// multum bake. Options that maketx has too have the names of maketx.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -30,7 +30,7 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
-  std::string shard;  // of several maps, or of one; empty: all of it
+  std::string shard;  // of several maps, or of one map; empty: the whole work
   int merged_shards = 0;
 };
 
@@ -40,7 +40,7 @@ std::optional<MapRegion> parse_region(const std::string& text) {
   char rest = 0;
   if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4)
     throw Error(ErrorCode::kUsage,
-                "--region is '" + text + "', expected auto, or x,y,width,height in texels, e.g. 0,256,128,64");
+                "--region is '" + text + "', expected auto, or x,y,width,height in texels, such as 0,256,128,64");
   return region;
 }
 
@@ -57,7 +57,7 @@ BakeTarget target_of(const BakeOptions& o) {
   return target;
 }
 
-// Options that say what is to be chosen.
+// Throws Error(kUsage) for options of a target without a target, and for settings that a target chooses.
 void check_target_options(const BakeOptions& o) {
   if (!has_target(o)) {
     if (o.values.has("brdf") || o.values.flag("best_effort"))
@@ -71,7 +71,7 @@ void check_target_options(const BakeOptions& o) {
 }
 
 BakePrinting printing(const BakeOptions& o) {
-  return {o.common.quiet, o.values.flag("runstats") || o.common.verbose, stdout};
+  return {!prints_text(o.common), o.values.flag("runstats") || o.common.verbose, stdout, o.common.json};
 }
 
 BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device) {
@@ -80,46 +80,52 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   if (chosen.written) print_report(job, printing(o), chosen.report);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                chosen.written ? job.input + ": no settings reach the target; the best are written"
-                               : fmt::format("{}: no settings reach the target: {}--best-effort writes the best",
+                chosen.written ? job.input + ": no settings reach the target; the best ones were written"
+                               : fmt::format("{}: no settings reach the target: {}--best-effort writes the best ones",
                                              job.input, chosen.report.choice));
   return chosen.report;
 }
 
-// Each map for itself: one that fails does not keep the others from their bake. The exit code is the first failure's.
+// Bakes each map; one that fails does not stop the others. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
   std::size_t unchanged = 0, failed = 0, begun = 0;
+  OrderedJson maps = OrderedJson::array();
   for (const BakeJob& job : jobs) {
     openjd_part(begun++, jobs.size());
     try {
+      BakeReport report;
       if (has_target(o)) {
-        unchanged += bake_chosen(job, o, device).unchanged ? 1 : 0;
-        continue;
+        report = bake_chosen(job, o, device);
+      } else {
+        const auto progress = make_progress(o.common);
+        report = bake_file(job, nullptr, device, progress.get());
+        print_report(job, printing(o), report);
       }
-      const auto progress = make_progress(o.common);
-      const BakeReport report = bake_file(job, nullptr, device, progress.get());
-      print_report(job, printing(o), report);
       unchanged += report.unchanged ? 1 : 0;
+      maps.push_back(bake_json(job, report));
     } catch (...) {
       const Error error = caught_error(job.input);
       print_shown(stderr, "multum: %s\n", error.what());
       if (code == 0) code = exit_code(error.code());
+      maps.push_back(failed_bake_json(job, error.what()));
       ++failed;
     }
   }
-  if (!o.common.quiet || failed > 0)
+  if (prints_text(o.common) || failed > 0)
     print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu baked, %zu unchanged, %zu failed\n", jobs.size(),
                 jobs.size() - unchanged - failed, unchanged, failed);
+  if (o.common.json) print_json({{"maps", maps}});
   return code;
 }
 
-// The shares of one map are put together.
+// Throws Error(kUsage) if --merge does not name shares of one map.
 void check_merge(const BakeOptions& o, bool is_several) {
-  if (o.merged_shards == 1) throw Error(ErrorCode::kUsage, "--merge is 1, expected 2 shares of one map, or more");
-  if (is_several) throw Error(ErrorCode::kUsage, "--merge is given, expected one map: shares of several need no merge");
+  if (o.merged_shards == 1) throw Error(ErrorCode::kUsage, "--merge is 1, expected at least 2 shares of one map");
+  if (is_several)
+    throw Error(ErrorCode::kUsage, "found --merge for several maps, expected one map: shares of several need no merge");
   if (has_target(o))
-    throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: shares have their settings");
+    throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: the shares already have their settings");
 }
 
 int run_bake(const CLI::App& bake, BakeOptions& o) {
@@ -150,7 +156,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   if (o.values.has("region") == job.onto.empty())
     throw Error(
         ErrorCode::kUsage,
-        "--region and --onto need each other: the part that was edited, and the file that was baked before the edit");
+        "found only one of --region and --onto, expected both: the edited part, and the file that was baked before");
   job.region = parse_region(o.values.text("region").value_or(""));
   std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   const bool is_several = jobs.size() > 1;
@@ -160,13 +166,19 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     check_merge(o, is_several);
     jobs[0].merged_shards = o.merged_shards;
   }
-  // One map is looked at first, which may end it; of several, none is read where there is no device to bake on.
+  // One map is checked before the device is opened. Of several maps, none is read if no device can be opened.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(jobs, o, device);
-  if (has_target(o)) return bake_chosen(jobs[0], o, device), 0;
-  const auto progress = make_progress(o.common);
-  print_report(jobs[0], printing(o), bake_file(jobs[0], nullptr, device, progress.get()));
+  BakeReport report;
+  if (has_target(o)) {
+    report = bake_chosen(jobs[0], o, device);
+  } else {
+    const auto progress = make_progress(o.common);
+    report = bake_file(jobs[0], nullptr, device, progress.get());
+    print_report(jobs[0], printing(o), report);
+  }
+  if (o.common.json) print_json(bake_json(jobs[0], report));
   return 0;
 }
 
@@ -174,27 +186,37 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
 
 void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
-  CLI::App* bake =
-      app.add_subcommand("bake", "bake a normal map or height field into a mipmap of normal distributions");
-  bake->add_option("input", options->inputs,
-                   bake_parameters().at("input").help +
-                       "; several maps, or sets, e.g. rock_<UDIM>.png; or a scene.toml, to bake only what it shows of "
-                       "its maps into the folder --output (docs/reference/scenes.md)");
-  bake->add_option("-o,--output", options->job.output,
-                   "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>");
+  CLI::App* bake = app.add_subcommand("bake", "bake normal maps or height fields into mipmaps of normal distributions");
   bake->add_option(
-      "--shard", options->shard,
-      "bake share I of N of several maps or a scene alone, I/N, or shares I to J, I-J/N; of one map: 0/N its "
-      "coarse levels, then 1/N to N/N, bands of the others: for farms (docs/how-to/clusters.md)");
-  bake->add_option("--merge", options->merged_shards,
-                   "write the file of one map from its shares 0/N to N/N; of a scene, check what shares 1/N to N/N "
-                   "baked, and write its plan and report")
+      "input", options->inputs,
+      bake_parameters().at("input").help + "; or several maps; or a set, such as rock_<UDIM>.png; or one scene.toml");
+  bake->add_option(
+      "-o,--output", options->job.output,
+      "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>; for a scene: a folder");
+  bake->add_option("--shard", options->shard,
+                   "bake only share I of N (I/N), or shares I to J (I-J/N), of maps or a scene; of one map: 0/N coarse "
+                   "levels, 1/N to "
+                   "N/N bands");
+  bake->add_option(
+          "--merge", options->merged_shards,
+          "write the file of one map from its shares 0/N to N/N; of a scene, check shares 1/N to N/N and write "
+          "plan and report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*bake, options->values);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);
   add_decoding_option(*bake);
+  bake->footer(
+      "Examples:\n"
+      "  multum bake bricks_n.png -o bricks.ndf.exr\n"
+      "  multum bake 'rock_<UDIM>.png' -o 'rock_<UDIM>.ndf.exr'     # all tiles of a set\n"
+      "  multum bake --manifest maps.toml --check                   # the changed maps of a project\n"
+      "  multum bake scene.toml -o baked                            # only what a scene shows of its maps\n"
+      "A map that fails does not stop the others. Shares are files next to the output. After --region the rest\n"
+      "keeps its old lobes, so the checksum is not that of a full bake. --scratch takes about 40 bytes per texel\n"
+      "with four lobes. docs/reference/input_maps.md describes how maps are read, docs/reference/manifests.md\n"
+      "manifests, docs/reference/scenes.md scenes, and docs/how-to/clusters.md shares on a farm.");
   bake->callback([bake, options, exit_code] { *exit_code = run_bake(*bake, *options); });
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Before any work: a run of an hour must not end in a report that cannot be written, or that takes a map's place.
+// Runs before any work: a long run must not end with a report that cannot be written, or that overwrites a map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {
@@ -41,12 +41,12 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
     unchanged.unchanged = true;
     print_report(map.job, printing, unchanged);
   } else if (result.state == MapState::kUnchanged && !printing.quiet) {
-    print_shown(printing.out, "%s: in place, %.4g %% off at most, as it states\n", map.job.output.c_str(),
+    print_shown(printing.out, "%s: in place, error at most %.4g %%, as it states\n", map.job.output.c_str(),
                 100.0 * result.error.value_or(0.0));
   }
 }
 
-// Each map for itself: one that fails does not keep the others from theirs.
+// A map that fails does not stop the others.
 MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
                   const BakePrinting& printing) {
   const Stopwatch stopwatch;
@@ -62,6 +62,27 @@ MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& 
   return result;
 }
 
+OrderedJson map_json(const ManifestMap& map, const MapResult& result) {
+  OrderedJson json = {{"name", result.name}, {"state", map_state_name(result.state)}};
+  if (!result.why.empty()) json["why"] = result.why;
+  for (const auto& [key, value] : {std::pair{"error", &result.error}, std::pair{"stated_error", &result.stated},
+                                   std::pair{"allowed_error", &result.allowed}})
+    if (*value) json[key] = **value;
+  json["seconds"] = result.seconds;
+  json["bytes"] = result.bytes;
+  if (result.report) json["report"] = bake_json(map.job, *result.report);
+  return json;
+}
+
+OrderedJson outcome_json(const ManifestOutcome& outcome, const std::vector<ManifestMap>& maps) {
+  OrderedJson json = {{"manifest", path_json(outcome.manifest)},
+                      {"passed", manifest_exit_code(outcome) == 0},
+                      {"seconds", outcome.seconds},
+                      {"maps", OrderedJson::array()}};
+  for (std::size_t i = 0; i < maps.size(); ++i) json["maps"].push_back(map_json(maps[i], outcome.results[i]));
+  return json;
+}
+
 void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing) {
   const std::string failures = manifest_failures(outcome);
   write_shown(stderr, failures);
@@ -72,16 +93,16 @@ void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing)
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
   CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
-                                                "bake those maps listed in maps.toml that have changed "
-                                                "(docs/reference/manifests.md); instead of input and --output");
+                                                "bake the changed maps that this maps.toml lists; replaces input and "
+                                                "--output");
   CLI::Option* const check =
       bake.add_flag("--check", o.run.check,
-                    "verify and measure files that are in place, too, and fail (exit code 5) with a list when one was "
-                    "missing, stale, damaged, or worse than it states or error_max allows: for build pipelines")
+                    "also verify and measure existing files; exit with code 5 if one was missing, stale, damaged, or "
+                    "worse than it states or error_max allows")
           ->needs(manifest);
-  bake.add_flag("--dry-run", o.run.dry_run, "bake nothing, only list; with --check")->needs(check);
+  bake.add_flag("--dry-run", o.run.dry_run, "with --check: only list findings, and bake nothing")->needs(check);
   bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; -: to stdout")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table, to stdout for -")->needs(manifest);
   check->excludes("--force");
 }
 
@@ -106,6 +127,8 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
                  const CommonOptions& common, BakePrinting printing) {
   const Stopwatch stopwatch;
   add_key_words(bake_parameters().names(kInManifest));
+  if (o.summary == kStdout && common.json)
+    throw Error(ErrorCode::kUsage, "--summary - and --json exclude each other: both print to stdout");
   if (o.summary == kStdout) printing.out = stderr;
   std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);
@@ -121,6 +144,7 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
   if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));
   if (o.summary == kStdout) write_shown(stdout, manifest_summary(outcome));
   else if (!o.summary.empty()) write_text_file(o.summary, manifest_summary(outcome));
+  if (common.json) print_json(outcome_json(outcome, maps));
   return manifest_exit_code(outcome);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum bake --manifest`: all maps of a project, and the check that a build pipeline runs
+// Runs `multum bake --manifest`: bakes the maps of a project, and checks them for a build pipeline
 // (docs/reference/manifests.md).
 #pragma once
 
@@ -16,19 +16,19 @@
 namespace multum {
 
 struct ManifestModeOptions {
-  std::string manifest;  // empty: the mode is not asked for
+  std::string manifest;  // empty: another mode
   ManifestRunSettings run;
   std::string junit;    // empty: none
-  std::string summary;  // empty: none; "-": to stdout, and nothing else goes there
+  std::string summary;  // empty: none; "-": stdout, which then has no other text
   WorkShard shard;      // of the maps
 };
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& options);
 
-/// Throws Error(kUsage) for an option of `bake` that was given and that the manifest has for each map.
+/// Throws Error(kUsage) for a given option of `bake` that the manifest sets for each map.
 void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& options);
 
-/// Returns the exit code. `pattern` has what is the same for all maps.
+/// Returns the exit code. `pattern` has the settings that all maps share.
 int run_manifest(const ManifestModeOptions& options, const BakeJob& pattern, const DeviceChoice& device,
                  const CommonOptions& common, BakePrinting printing);
 

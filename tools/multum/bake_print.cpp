@@ -40,4 +40,14 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
                 static_cast<unsigned long long>(t.downloads), static_cast<double>(t.download_bytes) / (1 << 20));
 }
 
+OrderedJson bake_json(const BakeJob& job, const BakeReport& report) {
+  OrderedJson json = {{"output", path_json(job.output)}};
+  json.update(parsed(report.to_json()));
+  return json;
+}
+
+OrderedJson failed_bake_json(const BakeJob& job, const std::string& error) {
+  return {{"output", path_json(job.output)}, {"source", path_json(job.input)}, {"failed", error}};
+}
+
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of `multum`. Each adds its options to `app` and, when it is chosen, sets *exit_code.
+// Declares the subcommands of `multum`. Each function adds a subcommand to `app`, which sets *exit_code when it runs.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,43 +13,44 @@
 
 namespace multum {
 
-/// Options that every command shares.
+/// Options that most commands share.
 struct CommonOptions {
   int threads = 0;  // 0: all cores
   bool verbose = false;
   bool quiet = false;
-  bool openjd = false;  // print lines for whoever runs this as a task (tools/multum/openjd_lines.h)
+  bool openjd = false;  // print progress lines for the agent of a render farm (tools/multum/openjd_lines.h)
+  bool json = false;    // print the result as one JSON document on stdout, and nothing else there
 };
 
-/// Applies verbosity and thread count to everything below; to be called before the first OpenCL or image call.
-/// Returns the thread count.
+/// Sets verbosity and thread count for the process and returns the thread count. Call it before the first OpenCL or
+/// image call.
 int apply(const CommonOptions& options);
 void add_common_options(CLI::App& command, CommonOptions& options);
 
-/// Of a long command: a bar on a terminal; under a service, what the worker passes on.
+/// The progress of a long command: a bar on a terminal, or the callback of a worker.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
-/// Does what a command line says and returns its exit code. Throws Error, Cancelled.
+/// Runs a command line and returns its exit code. Throws Error, Cancelled.
 int run_command(int argc, char** argv);
-/// The same of the words behind the program's name; `callback` hears of the progress. One at a time.
+/// Runs the words after the program's name; `callback` gets the progress. One call at a time.
 int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback);
 
 /// Folders for compiled kernels, as the environment names them.
 KernelCacheFolders kernel_cache_folders();
 
-/// multum-view lies beside multum, in the build folder and when installed; else the one in PATH.
+/// The path of multum-view: next to multum, in a build folder and when installed; else the one in PATH.
 std::string find_viewer();
 
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);
-/// A page that shows lobes in a browser.
+/// look: writes a page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
-/// Checks the machine.
+/// doctor: checks the machine.
 void add_doctor_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
-/// The shading of lobes in other languages.
+/// shaders: writes the shading of lobes in several languages.
 void add_shaders_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);
 void add_tradeoff_command(CLI::App& app, int* exit_code);
@@ -58,22 +59,25 @@ void add_testmap_command(CLI::App& app, int* exit_code);
 void add_plan_command(CLI::App& app, int* exit_code);
 /// mip, reflectance, lod.
 void add_pyramid_commands(CLI::App& app, int* exit_code);
-/// The table of all parameters.
+/// parameters: prints the table of all parameters.
 void add_parameters_command(CLI::App& app, int* exit_code);
+/// completion, man.
+void add_help_commands(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
 
 // The farm: tools/multum/farm, or no_farm.cpp in a build without it.
 
-/// Throws Error(kUsage) where a command line's words are none of this program.
+/// Throws Error(kUsage) if the words are not a valid command line of this program.
 using CheckWords = void (*)(const std::vector<std::string>& words);
 
-/// Hands the farm the jobs of multum's commands. Once, before any command.
+/// Registers the job types of the farm. Call it once, before any command.
 void register_jobs();
-/// openjd, serve, the clients of a service, and a line for each in the text of `app` itself.
+/// serve, jobs, openjd; and refusals of former names.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
-/// Asks the service at `server` (empty: the usual one) whether it is well; nothing in a build without the farm.
+/// Asks the service at `server` (empty: the default address) whether it works. Empty in a build without the farm.
 DoctorFindings service_findings(const std::string& server);
-/// The schemas of docs/reference/openapi.json that the program says, by name (host/farm/service/http/job_schemas.h).
+/// The schemas of docs/reference/openapi.json that follow from tables of the program, by name
+/// (host/farm/service/http/job_schemas.h).
 nlohmann::ordered_json job_schemas();
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake of an export's map beside the export's page, to compare with.
+// Bakes the map of an export for the comparison on its page.
 #pragma once
 
 #include <memory>
@@ -12,13 +12,13 @@
 
 namespace multum {
 
-/// The bake of an export's map to `output`, with the export's memory and its folder for what does not fit.
+/// The job that bakes the map of an export to `output` with the memory and the scratch folder of the export.
 BakeJob compared_bake_job(const ExportJob& job, const std::string& output);
 
-/// The file goes when this does.
+/// Bakes a temporary file, which the destructor removes.
 class ComparedBake {
  public:
-  /// Beside `page`. Throws as bake_file() does.
+  /// Bakes next to `page`. Throws like bake_file().
   ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress);
   const std::string& path() const { return path_; }
 

@@ -7,18 +7,17 @@
 #include <nlohmann/json.hpp>
 
 #include "host/foundation/base/error.h"
-#include "host/foundation/base/files/json_file.h"
 #include "host/foundation/base/files/work_folder.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/doctor_checks.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
 
 struct DoctorOptions {
   std::string device, server;
-  bool json = false;
   CommonOptions common;
 };
 
@@ -72,7 +71,7 @@ int run_doctor(const DoctorOptions& options) {
     failures += f.state == DoctorState::kFailure ? 1 : 0;
     warnings += f.state == DoctorState::kWarning ? 1 : 0;
   }
-  if (options.json) write_shown(stdout, escaped_json(json_text(findings_json(findings), 2)) + "\n");
+  if (options.common.json) print_json(findings_json(findings));
   else write_shown(stdout, findings_text(findings) + fmt::format("\n{} failures, {} warnings\n", failures, warnings));
   if (failures > 0)
     throw Error(ErrorCode::kEnvironment,
@@ -86,11 +85,10 @@ void add_doctor_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand("doctor", "check this machine, and say what is wrong and what to do");
   command->add_option("--device", options->device,
-                      "OpenCL device to bake on: its number in `multum devices`, or part of its name");
+                      "check this OpenCL device: its number in `multum devices`, or part of its name");
   command->add_option("--server", options->server,
-                      "service to ask: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
+                      "ask this service: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
                       "http://127.0.0.1:8470)");
-  command->add_flag("--json", options->json, "print the findings as JSON");
   add_common_options(*command, options->common);
   command->callback([options, exit_code] { *exit_code = run_doctor(*options); });
 }

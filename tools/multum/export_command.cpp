@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: a normal map as materials of one lobe a texel, which engines load as they are.
+// multum export: writes a normal map as a material of one lobe per texel, which engines load without a new shader.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,6 +27,7 @@
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/compared_bake.h"
+#include "tools/multum/json_output.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -37,7 +38,7 @@ struct ExportOptions {
   ExportJob job;
   ParameterValues values{export_parameters()};
   std::vector<std::string> inputs;
-  std::string manifest;  // empty: the mode is not asked for
+  std::string manifest;  // empty: another mode
   bool check = false, dry_run = false;
   std::string shard_text;
   WorkShard shard;  // of several maps
@@ -53,12 +54,12 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// A baked file has its normals as they are; how a map is to be read says nothing of them.
+// Throws Error(kUsage): options about reading a map mean nothing for a baked file, whose normals are decoded.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))
       throw Error(ErrorCode::kUsage,
-                  input + ": is a baked file, whose normals are decoded; expected no " + row.option());
+                  input + " is a baked file, whose normals are decoded: expected no " + row.option());
 }
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
@@ -77,7 +78,7 @@ ExportReport export_with_page(ExportJob job, const std::string& page, const Comm
 }
 
 void print_export(const ExportJob& job, const CommonOptions& common, const ExportReport& report) {
-  if (common.quiet) return;
+  if (!prints_text(common)) return;
   print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
               report.height, report.files.size(), report.textures.c_str());
   if (!report.engine_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
@@ -91,38 +92,56 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
 }
 
-// Each map for itself: one that fails does not keep the others from theirs. The exit code is the first failure's.
+// "output", then the keys of --report.
+OrderedJson export_json(const ExportJob& job, const ExportReport& report) {
+  OrderedJson json = {{"output", path_json(job.output)}};
+  json.update(parsed(report.to_json(job)));
+  return json;
+}
+
+// Exports each map; one that fails does not stop the others. Returns the exit code of the first failure.
 int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& common, Device& device) {
   int code = 0;
   std::size_t failed = 0;
+  OrderedJson maps = OrderedJson::array();
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     openjd_part(i, jobs.size());
     try {
       const auto progress = make_progress(common);
-      print_export(jobs[i], common, export_file(jobs[i], device, progress.get()));
+      const ExportReport report = export_file(jobs[i], device, progress.get());
+      print_export(jobs[i], common, report);
+      maps.push_back(export_json(jobs[i], report));
     } catch (...) {
       const Error error = caught_error(jobs[i].input);
       print_shown(stderr, "multum: %s\n", error.what());
       if (code == 0) code = exit_code(error.code());
+      maps.push_back(
+          {{"output", path_json(jobs[i].output)}, {"input", path_json(jobs[i].input)}, {"failed", error.what()}});
       ++failed;
     }
   }
-  if (!common.quiet || failed > 0)
+  if (prints_text(common) || failed > 0)
     print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu exported, %zu failed\n", jobs.size(), jobs.size() - failed,
                 failed);
+  if (common.json) print_json({{"maps", maps}});
   return code;
 }
 
 struct ManifestCounts {
   std::size_t unchanged = 0, exported = 0, findings = 0;
+  OrderedJson maps = OrderedJson::array();
 };
 
-// One map of a manifest; what a check found goes to stderr.
+// Exports one map of a manifest; findings of a check go to stderr.
 void export_of_manifest(const ManifestExport& map, const ExportOptions& o, Device& device, ManifestCounts& counts) {
   const auto progress = make_progress(o.common);
   const ManifestExportResult result = run_manifest_export(map, o.dry_run, device, progress.get());
+  OrderedJson json = {{"name", map.name}, {"state", finding_name(result.found.finding)}};
+  if (!result.found.why.empty()) json["why"] = result.found.why;
+  if (result.report) json["report"] = export_json(map.job, *result.report);
+  counts.maps.push_back(json);
   if (result.found.finding == ExportFinding::kInPlace && !result.report) {
-    if (!o.common.quiet) print_shown(stdout, "%s: unchanged\n", map.name.c_str());
+    if (prints_text(o.common)) print_shown(stdout, "%s: unchanged\n", map.name.c_str());
     ++counts.unchanged;
     return;
   }
@@ -145,19 +164,21 @@ int run_export_manifest(const ExportOptions& o) {
     } catch (...) {
       const Error error = caught_error(maps[i].job.input);
       print_shown(stderr, "multum: %s\n", error.what());
-      // A setting that does not fit its map is the manifest's, and that is a file, not the command line.
+      counts.maps.push_back({{"name", maps[i].name}, {"state", "failed"}, {"why", error.what()}});
+      // A setting that does not fit its map is an error of the manifest, a file, and not of the command line.
       if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());
     }
   }
   const std::size_t failed = maps.size() - counts.unchanged - counts.exported - (o.dry_run ? counts.findings : 0);
-  if (!o.common.quiet || failed > 0)
+  if (prints_text(o.common) || failed > 0)
     print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu exported, %zu unchanged, %zu failed\n", maps.size(),
                 counts.exported, counts.unchanged, failed);
   if (code == 0 && counts.findings > 0) code = exit_code(ErrorCode::kVerification);
+  if (o.common.json) print_json({{"manifest", path_json(o.manifest)}, {"passed", code == 0}, {"maps", counts.maps}});
   return code;
 }
 
-// What the manifest has for each map is not given for all on the command line.
+// Throws Error(kUsage) for an option that the manifest sets for each map.
 void check_no_map_is_given(const ExportOptions& o) {
   if (!o.inputs.empty() || !o.job.output.empty())
     throw Error(ErrorCode::kUsage, "input, --output and --manifest exclude each other: the manifest names the maps");
@@ -172,15 +193,15 @@ LobeExportJob lobe_export_job(const ExportOptions& o) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--lobes: found {}, expected one baked file",
                             o.manifest.empty() ? fmt::format("{} inputs", o.inputs.size()) : "--manifest"));
-  if (!o.shard_text.empty()) throw Error(ErrorCode::kUsage, "--lobes: found --shard, expected it for several maps");
+  if (!o.shard_text.empty()) throw Error(ErrorCode::kUsage, "--lobes: found --shard, which is for several maps");
   constexpr std::array kWithLobes = {"lobes", "force", "texels", "zstd", "device", "report"};
   for (const Parameter& row : export_parameters().rows())
     if (o.values.has(row.name) && std::find(kWithLobes.begin(), kWithLobes.end(), row.name) == kWithLobes.end())
       throw Error(ErrorCode::kUsage,
-                  "--lobes: found " + row.option() + ", expected it without --lobes: a baked file is stored as it is");
+                  "--lobes: found " + row.option() + ", expected it without --lobes: lobes are stored unchanged");
   LobeExportJob job{o.inputs[0], o.job.output, o.values.text("report").value_or("")};
   if (!o.job.output.ends_with(".ktx2"))
-    throw Error(ErrorCode::kUsage, o.job.output + ": is no name of a KTX2 file, expected NAME.ktx2 with --lobes");
+    throw Error(ErrorCode::kUsage, o.job.output + ": is not the name of a KTX2 file, expected NAME.ktx2 with --lobes");
   if (const auto name = o.values.text("texels")) {
     const std::optional<LobeTexels> texels = find_choice(kLobeTexels, *name);
     if (!texels)
@@ -197,7 +218,12 @@ int run_lobe_export(ExportOptions& o) {
   Device device = Device::when_needed({o.values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
   const LobeExportReport report = export_lobes(job, device, progress.get());
-  if (o.common.quiet) return 0;
+  if (o.common.json) {
+    OrderedJson json = {{"output", path_json(job.output)}};
+    json.update(parsed(report.to_json()));
+    print_json(json);
+  }
+  if (!prints_text(o.common)) return 0;
   print_shown(stdout,
               "%s: written: %zu lobes, %d layers, levels from %d on, %.1f MB on the GPU, %.2f times BC5 and BC4\n",
               job.output.c_str(), report.header.lobes.size(), report.header.layer_count(),
@@ -222,12 +248,15 @@ int run_export(ExportOptions& o) {
     if (is_baked_name(input)) check_no_reading_is_given(input, o.values);
   const std::vector<ExportJob> all = make_export_jobs(o.job, o.inputs);
   if (all.size() == 1 && !o.shard_text.empty())
-    throw Error(ErrorCode::kUsage, "--shard is given, expected several maps, a set or a manifest");
+    throw Error(ErrorCode::kUsage, "found --shard with one map, expected several maps, a set or a manifest");
   const std::string page = o.values.text("page").value_or("");
-  if (all.size() > 1 && !page.empty()) throw Error(ErrorCode::kUsage, "--page is given, expected one map");
+  if (all.size() > 1 && !page.empty())
+    throw Error(ErrorCode::kUsage, "found --page with several maps, expected one map");
   Device device = Device::when_needed({o.values.text("device").value_or("")});
   if (all.size() > 1) return export_several(pieces_of(o.shard, all), o.common, device);
-  print_export(all[0], o.common, export_with_page(all[0], page, o.common, device));
+  const ExportReport report = export_with_page(all[0], page, o.common, device);
+  print_export(all[0], o.common, report);
+  if (o.common.json) print_json(export_json(all[0], report));
   return 0;
 }
 
@@ -237,29 +266,22 @@ void add_export_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ExportOptions>();
   ExportOptions& o = *options;
   CLI::App* command = app.add_subcommand("export",
-                                         "fit a normal map's mips as materials that engines load: normal, roughness, "
-                                         "anisotropy (docs/evidence/EXPORT.md)");
+                                         "write normal maps as textures for engines: normal, roughness and anisotropy "
+                                         "with fitted mips");
   command->add_option("input", o.inputs,
-                      bake_parameters().at("input").help +
-                          "; or a baked file, NAME.ndf.exr, whose level 0 is its map; several maps, or sets, e.g. "
-                          "rock_<UDIM>.png");
+                      "normal map or height field, or a baked file, NAME.ndf.exr, whose level 0 is its map; or several "
+                      "maps; or a set, such as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
-                      "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or "
-                      "NAME.ktx2, NAME.dds: NAME_normal.ktx2, NAME_orm.ktx2 and, with --anisotropy, "
-                      "NAME_anisotropy.ktx2; for several maps: a folder, or a name with <UDIM>");
+                      "folder to write to; or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
+                      "several maps: a folder, or a name with <UDIM>");
   CLI::Option* const manifest = command->add_option(
-      "--manifest", o.manifest,
-      "export those maps listed in maps.toml that have changed (docs/reference/manifests.md); instead of input and "
-      "--output");
+      "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
   CLI::Option* const check =
-      command
-          ->add_flag("--check", o.check,
-                     "fail (exit code 5) with a list when files were missing, stale or damaged: for build pipelines")
+      command->add_flag("--check", o.check, "exit with code 5 and a list if files were missing, stale or damaged")
           ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "export nothing, only list; with --check")->needs(check);
+  command->add_flag("--dry-run", o.dry_run, "with --check: only list findings, and export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
-                      "export share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms "
-                      "(docs/how-to/clusters.md)");
+                      "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);
   check->excludes("--force");
   add_common_options(*command, o.common);
@@ -268,13 +290,18 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
-      "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake "
-      "(docs/reference/lobe_textures.md)\n"
+      "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes of multum bake for GPUs\n"
       "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
-      "  multum export bricks_n.png -o bricks/ --write-green down    # for Unreal; for Unity: --smoothness\n"
-      "  multum export bricks_n.png -o bricks/ --page bricks.html    # compared by pictures with engines' rules\n"
-      "  multum export rock_<UDIM>.png -o rock_<UDIM>.ktx2           # all tiles of a set\n"
-      "  multum export --manifest materials.toml                    # the maps of a project that changed");
+      "  multum export bricks_n.png -o bricks/ --write-green down   # for Unreal; for Unity: --smoothness\n"
+      "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
+      "  multum export --manifest materials.toml                    # the changed maps of a project\n"
+      "rg8 and bc store only x and y of normals; the shader rebuilds z = sqrt(1 - x^2 - y^2). bc stores normals as\n"
+      "BC5, roughness alone as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
+      "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
+      "--smoothness has metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
+      "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe. --resume\n"
+      "keeps its rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md has the steps for\n"
+      "each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum info, verify, devices, testmap: look inside, check, list, make.
+// multum info, verify, devices, testmap.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -26,11 +26,12 @@
 #include "tools/command_line/choices.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/fields/field_commands.h"
+#include "tools/multum/info_json.h"
 
 namespace multum {
 namespace {
 
-// The settings' floats as a person gave them: 0.01, which as a float is 0.00999999977.
+// Rounds floats to the numbers that a person gave: 0.00999999977 becomes 0.01.
 std::string rounded_settings(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return text;
@@ -52,8 +53,7 @@ std::string size_text(std::uint64_t bytes) {
   return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
 }
 
-// What a file says that others do not: its texels, and what survives its encoding. A row a
-// representation.
+// The lines of `multum info` that depend on the representation: contents of texels and losses of the encoding.
 struct InfoKind {
   Representation representation;
   std::string (*texels)(const std::string& path, const BakedHeader& file);
@@ -64,7 +64,7 @@ std::string material_texts(const BakedHeader& file) {
   std::string text;
   if (file.weight_count > 0) text += fmt::format(", weights of {} basis BRDFs", file.weight_count);
   if (file.has_roughness)
-    text += fmt::format(", the BRDF's width in (mean cosine {:.3f})", static_cast<double>(file.mean_cosine));
+    text += fmt::format(", with the width of the BRDF (mean cosine {:.3f})", static_cast<double>(file.mean_cosine));
   return text;
 }
 
@@ -75,7 +75,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", with a colour per lobe" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("kappa up to {:.0f} survives it", static_cast<double>(storage_kappa_max(file.encoding)));
+       return fmt::format("keeps kappa up to {:.0f}", static_cast<double>(storage_kappa_max(file.encoding)));
      }},
     {Representation::kGmm,
      [](const std::string& path, const BakedHeader& file) {
@@ -83,7 +83,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", with a colour each" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("variances down to {:.1e} survive it",
+       return fmt::format("keeps variances down to {:.1e}",
                           1.0 / static_cast<double>(lobe_family(file.representation).kappa_max(file.encoding)));
      }},
     {Representation::kMoments,
@@ -92,7 +92,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, deviations of slopes down to {:.4f} b survive it",
+       return fmt::format("at a slope b, keeps deviations of slopes down to {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -103,8 +103,8 @@ constexpr InfoKind kInfoKinds[] = {
                           material_texts(file));
      },
      [](const BakedHeader& file) {
-       return std::string(file.encoding == StorageEncoding::kHalf ? "2^-11 of each coefficient is lost at most"
-                                                                  : "nothing is lost");
+       return std::string(file.encoding == StorageEncoding::kHalf ? "loses at most 2^-11 of each coefficient"
+                                                                  : "loses nothing");
      }},
 };
 
@@ -115,15 +115,15 @@ const InfoKind& info_kind(Representation representation) {
   return kInfoKinds[0];
 }
 
-// Beside what renderers usually keep of the same map.
+// The size on the GPU, compared with BC5 and BC4 textures of the same map.
 std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
   const std::uint64_t by_default = default_gpu_bytes(file.width, file.height);
   return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
-                     size_text(bytes), file.first_level > 0 ? " beside the normal map itself" : "",
+                     size_text(bytes), file.first_level > 0 ? " besides the normal map itself" : "",
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
-// What the bake found in the source's files; nothing in files of earlier programs.
+// The findings of the bake about its source files; empty for files of earlier programs.
 std::string reading_text(const std::string& reading) {
   const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
   if (!json.is_object()) return "";
@@ -166,7 +166,12 @@ int print_pyramid(const std::string& path) {
   return 0;
 }
 
-int run_info(const std::string& path) {
+void print_info_json(const std::string& path) {
+  const std::optional<OrderedJson> field = packed_field_json(path);
+  print_json(field ? *field : baked_file_json(path));
+}
+
+int print_info(const std::string& path) {
   if (const std::optional<std::string> text = packed_field_info(path)) {
     write_shown(stdout, *text);
     return 0;
@@ -187,7 +192,8 @@ int run_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text += fmt::format("with its set    SHA-256 {}: the source, and what other tiles gave to it\n", from.source_hash);
+    text += fmt::format("with its set    SHA-256 {}: the source, and the data that it took from other tiles\n",
+                        from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);
@@ -197,7 +203,7 @@ int run_info(const std::string& path) {
   return 0;
 }
 
-// What verify prints, of files of either sort.
+// The findings of verify about a baked file or a packed field.
 std::vector<VerifyFinding> findings_of(const std::string& path, int threads) {
   const std::optional<std::vector<VerifyFinding>> of_field = packed_field_findings(path);
   return of_field ? *of_field : verify_baked(path, threads);
@@ -205,11 +211,15 @@ std::vector<VerifyFinding> findings_of(const std::string& path, int threads) {
 
 int run_verify(const std::string& path, const CommonOptions& common) {
   bool all_passed = true;
+  OrderedJson findings = OrderedJson::array();
   for (const VerifyFinding& finding : findings_of(path, apply(common))) {
-    print_shown(stdout, "%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(),
-                finding.detail.c_str());
+    findings.push_back({{"check", finding.check}, {"passed", finding.passed}, {"detail", finding.detail}});
+    if (!common.json)
+      print_shown(stdout, "%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(),
+                  finding.detail.c_str());
     all_passed = all_passed && finding.passed;
   }
+  if (common.json) print_json({{"file", path_json(path)}, {"passed", all_passed}, {"findings", findings}});
   if (!all_passed) throw Error(ErrorCode::kVerification, path + ": verification failed");
   return 0;
 }
@@ -231,17 +241,19 @@ nlohmann::ordered_json device_json(const DeviceInfo& d) {
           {"buffer_bytes_max", d.buffer_bytes_max}};
 }
 
-int run_devices(const std::string& json_path) {
+int run_devices(const std::string& report, bool prints_json) {
   const std::vector<DeviceInfo> devices = list_devices();
-  if (!json_path.empty()) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
-    for (const DeviceInfo& d : devices) json.push_back(device_json(d));
-    check_writable(json_path);
-    write_text_file(json_path, json_text(json, 2) + "\n");
+  OrderedJson json = OrderedJson::array();
+  for (const DeviceInfo& d : devices) json.push_back(device_json(d));
+  if (!report.empty()) {
+    check_writable(report);
+    write_text_file(report, json_text(json, 2) + "\n");
   }
+  if (prints_json) print_json(json);
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
+  if (prints_json) return 0;
   for (const DeviceInfo& d : devices)
     print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
                 d.platform.c_str(), d.driver.c_str(), d.is_cpu ? "CPU" : "GPU",
@@ -253,9 +265,14 @@ int run_devices(const std::string& json_path) {
 
 void add_info_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
   CLI::App* info = app.add_subcommand("info", "print the header of a baked file or a packed field");
-  info->add_option("file", *path, "a baked file, *.ndf.exr, or a packed field, *.mpt")->required();
-  info->callback([path, exit_code] { *exit_code = run_info(*path); });
+  info->add_option("file", *path, "baked file, *.ndf.exr, or packed field, *.mpt")->required();
+  add_json_option(*info, *json);
+  info->callback([path, json, exit_code] {
+    if (*json) print_info_json(*path);
+    *exit_code = *json ? 0 : print_info(*path);
+  });
 }
 
 void add_verify_command(CLI::App& app, int* exit_code) {
@@ -263,16 +280,18 @@ void add_verify_command(CLI::App& app, int* exit_code) {
   auto common = std::make_shared<CommonOptions>();
   CLI::App* verify =
       app.add_subcommand("verify", "check a baked file or a packed field: structure, finite values, sums, checksums");
-  verify->add_option("file", *path, "a baked file, *.ndf.exr, or a packed field, *.mpt")->required();
+  verify->add_option("file", *path, "baked file, *.ndf.exr, or packed field, *.mpt")->required();
   add_common_options(*verify, *common);
   verify->callback([path, common, exit_code] { *exit_code = run_verify(*path, *common); });
 }
 
 void add_devices_command(CLI::App& app, int* exit_code) {
-  CLI::App* devices = app.add_subcommand("devices", "list the OpenCL devices");
-  auto json = std::make_shared<std::string>();
-  devices->add_option("--json", *json, "write the devices' properties to this file, too");
-  devices->callback([json, exit_code] { *exit_code = run_devices(*json); });
+  CLI::App* devices = app.add_subcommand("devices", "list the OpenCL devices of this machine");
+  auto report = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  devices->add_option("--report", *report, "write the properties of the devices to this file as JSON");
+  add_json_option(*devices, *json);
+  devices->callback([report, json, exit_code] { *exit_code = run_devices(*report, *json); });
 }
 
 void add_testmap_command(CLI::App& app, int* exit_code) {
@@ -281,33 +300,43 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     int size = 1024;
     std::uint64_t seed = 7;
     std::optional<Quarter> quarter;
+    GreenAxis green = GreenAxis::kDown;
+    bool json = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* testmap =
-      app.add_subcommand("testmap",
-                         "make the four-quarter test map: scales, rings, grooves, noise\n"
-                         "  multum testmap out/test     writes out/test_normal.png and out/test_albedo.png");
+      app.add_subcommand("testmap", "make a test map with four quarters: scales, rings, grooves and noise");
+  testmap->footer(
+      "Example:\n"
+      "  multum testmap out/test     # writes out/test_normal.png and out/test_albedo.png");
   testmap
-      ->add_option("prefix", options->prefix, "prefix of the files to write, PREFIX_normal.png and PREFIX_albedo.png")
+      ->add_option("prefix,-o,--output", options->prefix,
+                   "prefix of the files to write: PREFIX_normal.png and PREFIX_albedo.png")
       ->required();
-  testmap->add_option("--size", options->size, "texels per side, even, 16 to 32768")
+  testmap->add_option("--size", options->size, "set the texels per side: even, 16 to 32768")
       ->check(CLI::Range(16, 32768))
       ->capture_default_str();
-  testmap->add_option("--seed", options->seed, "seed of the noise quarter")->capture_default_str();
+  testmap->add_option("--seed", options->seed, "set the seed of the noise quarter")->capture_default_str();
   add_choice(*testmap, "--quarter", options->quarter, kQuarters,
              "make only this quarter: armour, rings, grooves or noise");
+  add_choice(*testmap, "--write-green", options->green, kGreenAxes,
+             "write normals whose green points up (OpenGL, glTF) or down (DirectX)")
+      ->default_str("down");
+  add_json_option(*testmap, options->json);
   testmap->callback([options, exit_code] {
     if (options->size % 2 != 0)
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
     for (const char* part : {"_normal.png", "_albedo.png"}) check_writable(options->prefix + part);
-    write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
-    const char* prefix = options->prefix.c_str();
-    // Its statistics look like green down (host/formats/testmap/four_quarter_map.cpp).
-    print_shown(stdout,
-                "%s_normal.png, %s_albedo.png: written; bake with --green up (its statistics look like green down, of "
-                "which the bake warns)\n",
-                prefix, prefix);
+    write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter, options->green);
     *exit_code = 0;
+    if (options->json) {
+      print_json({{"normal", path_json(options->prefix + "_normal.png")},
+                  {"albedo", path_json(options->prefix + "_albedo.png")}});
+      return;
+    }
+    const char* prefix = options->prefix.c_str();
+    print_shown(stdout, "%s_normal.png, %s_albedo.png: written; green points %s, which a bake detects\n", prefix,
+                prefix, options->green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)");
   });
 }
 

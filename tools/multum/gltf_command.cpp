@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum gltf: a model with normal maps as a model whose normal and roughness textures have fitted mips.
+// multum gltf: writes a model again with fitted mips in its normal and roughness textures.
 #include <cstdio>
 #include <memory>
 
@@ -11,6 +11,7 @@
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -43,14 +44,19 @@ int run_gltf(GltfOptions& o) {
   Device device = Device::when_needed({values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
   const GltfReport report = convert_gltf(o.job, device, progress.get());
-  if (o.common.quiet) return 0;
+  if (o.common.json) {
+    OrderedJson json = {{"output", path_json(o.job.output)}};
+    json.update(parsed(report.to_json(o.job)));
+    print_json(json);
+  }
+  if (!prints_text(o.common)) return 0;
   const auto megabytes = [](std::uint64_t bytes) { return 1e-6 * static_cast<double>(bytes); };
   print_shown(stdout, "%s: written; %d of %zu materials fitted, %zu set%s of textures; %.2f MB, before %.2f MB\n",
               o.job.output.c_str(), report.fitted_count(), report.materials.size(), report.textures.size(),
               report.textures.size() == 1 ? "" : "s", megabytes(report.bytes_after), megabytes(report.bytes_before));
   for (const GltfReport::Material& material : report.materials) {
     if (!material.kept.empty())
-      print_shown(stdout, "  %s: as it was: %s\n", material.name.c_str(), material.kept.c_str());
+      print_shown(stdout, "  %s: unchanged: %s\n", material.name.c_str(), material.kept.c_str());
     if (!material.form.empty()) print_shown(stdout, "  %s: %s\n", material.name.c_str(), material.form.c_str());
     for (const std::string& note : material.notes)
       print_shown(stdout, "  %s: %s\n", material.name.c_str(), note.c_str());
@@ -69,12 +75,16 @@ void add_gltf_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<GltfOptions>();
   GltfOptions& o = *options;
   CLI::App* command = app.add_subcommand(
-      "gltf",
-      "give a model's normal and roughness textures fitted mips, all else as it is (docs/reference/gltf.md)\n"
+      "gltf", "fit better mips for the normal and roughness textures of a model (docs/reference/gltf.md)");
+  command->footer(
+      "Examples:\n"
       "  multum gltf helmet.glb -o helmet_mips.glb\n"
       "  multum gltf helmet.glb --lobes -o helmet_lobes.glb\n"
-      "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json");
-  command->add_option("input", o.job.input, "model to read: *.glb, or *.gltf with the files that it names")->required();
+      "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json\n"
+      "Everything else in the model stays unchanged. --format auto stores a texture as uastc if that adds less than\n"
+      "0.3 % to the error of the light, else as rgba8 with a PNG fallback. Node.js encodes uastc with ktx2-encoder.\n"
+      "With --lobes and another --form than auto, all materials get lobes.");
+  command->add_option("input", o.job.input, "model to read: *.glb, or *.gltf with its files")->required();
   command->add_option("-o,--output", o.job.output, "model to write: *.glb")->required();
   add_parameter_options(*command, o.values);
   add_common_options(*command, o.common);

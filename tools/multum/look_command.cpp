@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum look: a page that shows lobes beside what engines do, opened where there is a desktop.
+// multum look: writes a page that shows lobes next to the results of engines, and opens it on a desktop.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -13,6 +13,7 @@
 #include "host/foundation/base/processes/machine.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -31,8 +32,8 @@ int run_look(LookOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
   if (!o.sources.empty() && o.sources.size() != o.inputs.size())
-    throw Error(ErrorCode::kUsage, fmt::format("found {} --source, expected one for each of {} files, in their order, "
-                                               "or none",
+    throw Error(ErrorCode::kUsage, fmt::format("found {} --source, expected none, or one for each of {} files in the "
+                                               "same order",
                                                o.sources.size(), o.inputs.size()));
   for (std::size_t i = 0; i < o.inputs.size(); ++i)
     o.job.maps.push_back({o.inputs[i], o.sources.empty() ? "" : o.sources[i]});
@@ -41,18 +42,19 @@ int run_look(LookOptions& o) {
     o.job.output = o.inputs.size() > 1 ? "look.html" : name.substr(0, name.find('.')) + ".html";
   }
   if (!o.job.output.ends_with(".html"))
-    throw Error(ErrorCode::kUsage, o.job.output + ": is no name of a page, expected NAME.html");
+    throw Error(ErrorCode::kUsage, o.job.output + ": is not the name of a page, expected NAME.html");
   Device device = Device::when_needed({o.device});
   const auto progress = make_progress(o.common);
   write_look_page(o.job, device, progress.get());
   const std::string path = std::filesystem::absolute(o.job.output).string();
   const bool opens = has_desktop() && !o.stays_closed;
-  if (!o.common.quiet)
-    print_shown(stdout, "%s: written: %.1f MB; %s\n", path.c_str(),
-                static_cast<double>(std::filesystem::file_size(o.job.output)) / 1e6,
+  const auto bytes = static_cast<std::uint64_t>(std::filesystem::file_size(o.job.output));
+  if (o.common.json) print_json({{"output", path_json(path)}, {"bytes", bytes}, {"maps", o.job.maps.size()}});
+  if (prints_text(o.common))
+    print_shown(stdout, "%s: written: %.1f MB; %s\n", path.c_str(), static_cast<double>(bytes) / 1e6,
                 opens ? "opening it" : "open it in a browser with WebGL 2");
   if (opens && run_child({"xdg-open", path}).exit_code != 0)
-    throw Error(ErrorCode::kEnvironment, path + ": is written, but xdg-open could not open it; open it in a browser");
+    throw Error(ErrorCode::kEnvironment, path + ": was written, but xdg-open cannot open it; open it in a browser");
   return 0;
 }
 
@@ -62,27 +64,35 @@ void add_look_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<LookOptions>();
   LookOptions& o = *options;
   CLI::App* command = app.add_subcommand(
-      "look", "a page that shows lobes in a browser beside averaged normals, engines' rules and the one-lobe export");
-  command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page has a list of them")->required();
+      "look", "show lobes in a browser, next to averaged normals, the rules of engines and the one-lobe export");
+  command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command
       ->add_option("--source", o.sources,
-                   "normal map that FILE was baked from, once for each FILE (default: level 0 of FILE)")
+                   "read the normal map of a baked file from here; once per file (default: level 0 of the file)")
       ->allow_extra_args(false);
   command->add_option("-o,--output", o.job.output,
-                      "page to write, *.html (default: the input's name, of several look.html, here)");
-  command
-      ->add_option("--base-roughness", o.job.base_roughness, "perceptual roughness of the surface, the same everywhere")
+                      "page to write, *.html (default: the name of the input, or look.html for several)");
+  command->add_option("--base-roughness", o.job.base_roughness, "set one perceptual roughness for the whole surface")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
-  command->add_flag("--same-source", o.job.same_source, "refuse a map that is not the file that was baked");
-  command->add_flag("--no-open", o.stays_closed, "only write the page");
-  command->add_option("--device", o.device, "OpenCL device, part of its name or index (multum devices)");
+  command->add_flag("--same-source", o.job.same_source, "refuse a normal map that is not the baked one");
+  command->add_flag("--no-open", o.stays_closed, "write the page without opening it");
+  command->add_option("--device", o.device,
+                      "use this OpenCL device: its number in `multum devices`, or a part of its name");
   add_common_options(*command, o.common);
   command->footer(
       "Examples:\n"
-      "  multum look bricks.ndf.exr                                             # bricks.html, opened in the browser\n"
-      "  multum look *.ndf.exr -o maps.html                                     # several, to choose from\n"
-      "  multum look bricks.ndf.exr --source bricks_n.png -o look.html --base-roughness 0.2 --no-open");
+      "  multum look bricks.ndf.exr             # writes bricks.html and opens it\n"
+      "  multum look *.ndf.exr -o maps.html     # a page to choose from\n"
+      "  multum look bricks.ndf.exr --source bricks_n.png -o look.html --base-roughness 0.2 --no-open\n"
+      "The page needs WebGL 2 and no network. It shows two methods at a time with a divider between them. \"Measure\n"
+      "error\" compares both with the map, drawn with 144 samples per pixel.\n\n"
+      "Files dropped onto the page stay in the browser: a baked file of lobes (compression none, rle, zips or zip;\n"
+      "at most 2048 texels per side; drop its normal map too if it leaves out level 0), a KTX2 file of `multum\n"
+      "export --lobes` without --zstd, a normal map of the same size with 8 bits per channel, or a model\n"
+      "(NAME.glb, or NAME.gltf with its files; at most a million triangles, no required extensions). A dropped\n"
+      "baked file has no one-lobe export. --source maps have at most 2048 texels per side; all maps together have\n"
+      "at most 4 times 2048 x 2048 texels.");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum materials: what a glTF model's materials are, and a manifest that bakes all its normal maps.
+// multum materials: lists the materials of a glTF model and writes a manifest that bakes its normal maps.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include "host/foundation/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 struct MaterialsOptions {
   std::string model, folder;
-  bool force = false;
+  bool force = false, json = false;
 };
 
 std::string quoted(const std::string& text) {
@@ -90,13 +91,37 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
   return text + fmt::format("albedo = {}\n", relative(colour));
 }
 
-void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
+OrderedJson image_json(const GltfMaterials& model, const std::optional<GltfTexture>& texture) {
+  if (!texture) return nullptr;
+  const GltfImage& image = model.images[static_cast<std::size_t>(texture->image)];
+  OrderedJson json = {
+      {"name", image.name}, {"uv_set", texture->uv_set}, {"wrap_s", texture->wrap_s}, {"wrap_t", texture->wrap_t}};
+  if (!image.file.empty()) json["file"] = path_json(image.file);
+  return json;
+}
+
+OrderedJson materials_json(const GltfMaterials& model) {
+  OrderedJson rows = OrderedJson::array();
+  for (const GltfMaterial& m : model.materials)
+    rows.push_back({{"name", m.name},
+                    {"normal", image_json(model, m.normal)},
+                    {"normal_scale", m.normal_scale},
+                    {"base_colour", {m.base_colour.r, m.base_colour.g, m.base_colour.b}},
+                    {"colour", image_json(model, m.colour)},
+                    {"metallic", m.metallic},
+                    {"roughness", m.roughness},
+                    {"metallic_roughness", image_json(model, m.metallic_roughness)}});
+  return rows;
+}
+
+// Writes maps.toml; returns its path and its number of maps.
+std::pair<std::string, std::size_t> write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
   const auto has_map = [](const GltfMaterial& material) { return material.normal.has_value(); };
   if (std::none_of(model.materials.begin(), model.materials.end(), has_map))
     throw Error(ErrorCode::kInput, o.model + ": found no material with a normal map, expected one to bake");
   const std::string manifest = o.folder + "/maps.toml";
   if (fs::exists(manifest) && !o.force)
-    throw Error(ErrorCode::kUsage, manifest + ": exists already; --force overwrites it");
+    throw Error(ErrorCode::kUsage, manifest + ": already exists; --force overwrites it");
   make_folder(o.folder);
   std::string text = fmt::format(
       "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
@@ -113,15 +138,23 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
     ++count;
   }
   write_text_file(manifest, text);
-  write_shown(stdout,
-              fmt::format("\n{}: {} maps\n  multum bake --manifest {}\n  {}\n", manifest, count, manifest, view));
+  if (!o.json)
+    write_shown(stdout,
+                fmt::format("\n{}: {} maps\n  multum bake --manifest {}\n  {}\n", manifest, count, manifest, view));
+  return {manifest, count};
 }
 
 int run_materials(const MaterialsOptions& o) {
   const GltfMaterials model = read_gltf_materials(o.model);
   if (model.materials.empty()) throw Error(ErrorCode::kInput, o.model + ": found no materials, expected some");
-  print_materials(model);
-  if (!o.folder.empty()) write_manifest(o, model);
+  OrderedJson json = {{"model", path_json(o.model)}, {"materials", materials_json(model)}};
+  if (!o.json) print_materials(model);
+  if (!o.folder.empty()) {
+    const auto [manifest, count] = write_manifest(o, model);
+    json["manifest"] = path_json(manifest);
+    json["maps"] = count;
+  }
+  if (o.json) print_json(json);
   return 0;
 }
 
@@ -129,12 +162,13 @@ int run_materials(const MaterialsOptions& o) {
 
 void add_materials_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<MaterialsOptions>();
-  CLI::App* materials =
-      app.add_subcommand("materials", "list a glTF model's materials; write a manifest that bakes its normal maps");
-  materials->add_option("model", options->model, "*.gltf or *.glb")->required();
+  CLI::App* materials = app.add_subcommand(
+      "materials", "list the materials of a glTF model; write a manifest that bakes its normal maps");
+  materials->add_option("model", options->model, "model to read, *.gltf or *.glb")->required();
   materials->add_option("-o,--output", options->folder,
-                        "folder for maps.toml and for images embedded in the model; created if missing");
-  materials->add_flag("--force", options->force, "overwrite maps.toml");
+                        "folder for maps.toml and for images inside the model; created if missing");
+  materials->add_flag("--force", options->force, "overwrite an existing maps.toml");
+  add_json_option(*materials, options->json);
   add_decoding_option(*materials);
   materials->callback([options, exit_code] { *exit_code = run_materials(*options); });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of tools/multum/farm, where the CMake option MULTUM_FARM is off.
+// Replaces tools/multum/farm in a build without the CMake option MULTUM_FARM.
 #include <nlohmann/json.hpp>
 
 #include "tools/command_line/absent_commands.h"
@@ -10,9 +10,7 @@ namespace multum {
 void register_jobs() {}
 
 void add_farm_commands(CLI::App& app, int*, CheckWords) {
-  add_absent_commands(
-      app, {"serve", "rescue", "submit", "list", "show", "tail", "wait", "cancel", "retry", "purge", "openjd"}, "farm",
-      "MULTUM_FARM");
+  add_absent_commands(app, {"serve", "jobs", "openjd"}, "farm", "MULTUM_FARM");
 }
 
 DoctorFindings service_findings(const std::string&) { return {}; }

@@ -34,7 +34,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// Stages change often at coarse levels, and a log keeps every line.
+// Prints at most one line per second: stages change often at coarse levels, and a log keeps every line.
 class OpenJdPrinter {
  public:
   void show(const ProgressEvent& event) {
@@ -75,7 +75,7 @@ std::unique_ptr<Progress> make_openjd_progress() {
   const auto signals = std::shared_ptr<Progress>(make_terminal_progress(false));
   return std::make_unique<Progress>([signals, printer = std::make_shared<OpenJdPrinter>()](const ProgressEvent& event) {
     printer->show(event);
-    // What is asked for at the very end comes too late: finish() passes over what this returns, not over an exception.
+    // finish() ignores a returned false, but not an exception: a cancel at the very end comes too late.
     try {
       signals->advance(0);
     } catch (const Cancelled&) {

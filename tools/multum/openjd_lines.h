@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whoever runs multum as a task of an Open Job Description how far it is: lines on stdout that begin with
+// Reports progress to the agent that runs multum as a task of an Open Job Description: lines on stdout that begin with
 // openjd_progress, openjd_status or openjd_fail (openjd-specifications, "How Jobs Are Run", "Stdout/Stderr Messages").
 #pragma once
 
@@ -11,17 +11,17 @@
 
 namespace multum {
 
-/// From now on the program prints such lines.
+/// Turns these lines on for the process.
 void begin_openjd_lines();
 bool has_openjd_lines();
 
-/// The next long call is one of several alike, `part` from 0: a percentage counts all of them.
+/// The next long call is number `part`, from 0, of several similar calls: percentages count all of them.
 void openjd_part(std::size_t part, std::size_t of);
 
-/// Progress that prints lines, seldom enough for a log. Ctrl-C and SIGTERM cancel.
+/// Progress that prints at most one line per second. Ctrl-C and SIGTERM cancel.
 std::unique_ptr<Progress> make_openjd_progress();
 
-/// How the task ended: all of it done, or why not, in one line.
+/// Prints the end of the task: 100 %, or the reason of its failure in one line.
 void print_openjd_success();
 void print_openjd_failure(const std::string& why);
 

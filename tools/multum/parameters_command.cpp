@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum parameters: the table of all parameters, for people and for programs.
+// multum parameters: prints the tables of parameters as text or JSON.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/foundation/base/shown_text.h"
-#include "host/foundation/parameters/parameter_page.h"
+#include "host/foundation/parameters/parameter_tables.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -17,7 +18,7 @@ using Json = nlohmann::json;
 
 struct ParametersOptions {
   std::string command;
-  bool markdown = false, json = false;
+  bool json = false;
 };
 
 const char* kind_name(ParameterKind kind) {
@@ -48,7 +49,7 @@ Json row_json(const Parameter& row) {
   return json;
 }
 
-// Of all tables, and the schemas of jobs that follow from them (docs/reference/openapi.json).
+// All tables, and the schemas of jobs that follow from them (docs/reference/openapi.json).
 nlohmann::ordered_json all_json() {
   nlohmann::ordered_json json = {{"commands", nlohmann::ordered_json::object()}, {"schemas", job_schemas()}};
   for (const ParameterTable* table : parameter_tables())
@@ -70,7 +71,8 @@ std::string tables_text(const std::string& command) {
 }
 
 int run_parameters(const ParametersOptions& o) {
-  write_shown(stdout, o.json ? all_json().dump(1) + "\n" : o.markdown ? parameter_page() : tables_text(o.command));
+  if (o.json) print_json(all_json());
+  else write_shown(stdout, tables_text(o.command));
   return 0;
 }
 
@@ -79,12 +81,11 @@ int run_parameters(const ParametersOptions& o) {
 void add_parameters_command(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ParametersOptions>();
   CLI::App* command = app.add_subcommand(
-      "parameters", "list the parameters of bake, infer, pack, mip, reflectance and lod: values, defaults, meaning");
+      "parameters", "list the parameters of commands, manifests and jobs: values, defaults, meaning");
   std::vector<std::string> names;
   for (const ParameterTable* table : parameter_tables()) names.push_back(table->command());
   command->add_option("command", o->command, "list only the parameters of this command")->check(CLI::IsMember(names));
-  CLI::Option* const markdown = command->add_flag("--markdown", o->markdown, "print docs/reference/parameters.md");
-  command->add_flag("--json", o->json, "print JSON, with the schemas of the service's jobs")->excludes(markdown);
+  add_json_option(*command, o->json);
   command->callback([o, exit_code] { *exit_code = run_parameters(*o); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum mip, reflectance, lod: pyramids of images, of lights over normals, of surfaces (Williams 1983).
+// multum mip, reflectance, lod: make pyramids of images, of lights over normals, and of surfaces (Williams 1983).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -15,6 +15,7 @@
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -34,7 +35,7 @@ struct ReflectanceOptions {
   ReflectanceJob job;
 };
 
-// What the three jobs have in common.
+// Applies the parameters that the three jobs share.
 template <typename Job>
 void apply_shared(const ParameterValues& values, Job& job) {
   job.report = values.text("report").value_or(job.report);
@@ -51,7 +52,12 @@ void add_output_option(CLI::App& command, std::string& output) {
 }
 
 int print_result(const CommonOptions& common, const std::string& output, PyramidKind kind, const MipReport& report) {
-  if (common.quiet) return 0;
+  if (common.json) {
+    OrderedJson json = {{"output", path_json(output)}, {"kind", pyramid_kind_name(kind)}};
+    json.update(parsed(report.to_json()));
+    print_json(json);
+  }
+  if (!prints_text(common)) return 0;
   if (report.unchanged) {
     print_shown(stdout, "%s: unchanged\n", output.c_str());
     return 0;
@@ -60,10 +66,10 @@ int print_result(const CommonOptions& common, const std::string& output, Pyramid
               pyramid_kind_name(kind), report.width, report.height,
               report.format.empty() ? "lights" : report.format.c_str());
   if (report.clamped_count > 0)
-    print_shown(stdout, "%lld texels hold no colour (negative, NaN or infinite) and count as black\n",
+    print_shown(stdout, "%lld texels are not colours (negative, NaN or infinite) and count as black\n",
                 static_cast<long long>(report.clamped_count));
   if (report.limited_count > 0)
-    print_shown(stdout, "%llu values are beyond what half floats hold and became 65504; -d float keeps them\n",
+    print_shown(stdout, "%llu values are too large for half floats and became 65504; -d float keeps them\n",
                 static_cast<unsigned long long>(report.limited_count));
   if (common.verbose)
     print_shown(stdout, "read %.2f s, average %.2f s, write %.2f s on %s\nchecksum %s\n", report.read_seconds,
@@ -100,8 +106,9 @@ glm::dvec3 three_numbers(const std::string& option, const std::string& text, boo
   if (one_will_do && found == 1 && finite && text.find(',') == std::string::npos &&
       std::sscanf(text.c_str(), "%lf%c", &x, &rest) == 1)
     return glm::dvec3(x);
-  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected {}", option, text,
-                                             one_will_do ? "one or three numbers, e.g. 0.5 or 0.8,0.2,0.1" : "x,y,z"));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{} is '{}', expected {}", option, text,
+                          one_will_do ? "one or three numbers, such as 0.5 or 0.8,0.2,0.1" : "x,y,z"));
 }
 
 ReflectanceLight parse_light(const std::string& text) {
@@ -111,8 +118,8 @@ ReflectanceLight parse_light(const std::string& text) {
   const int found = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%c", &x, &y, &z, &r, &g, &b, &rest);
   if (found != 3 && found != 4 && found != 6)
     throw Error(ErrorCode::kUsage, "--light is '" + text +
-                                       "', expected x,y,z towards the light, optionally with its irradiance, grey or "
-                                       "r,g,b, e.g. 0.3,0.8,0.5,3.14");
+                                       "', expected x,y,z towards the light, then optionally its irradiance, grey or "
+                                       "r,g,b, such as 0.3,0.8,0.5,3.14");
   light.direction = {x, y, z};
   if (found == 4) light.irradiance = glm::dvec3(r);
   if (found == 6) light.irradiance = {r, g, b};
@@ -151,9 +158,8 @@ int run_reflectance(ReflectanceOptions& o) {
 
 void add_mip(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<MipOptions>(mip_parameters());
-  CLI::App* mip =
-      app.add_subcommand("mip", "make a mip pyramid of colours, or of other data, filtered in linear light");
-  mip->add_option("image", o->job.input, "PNG, TIFF, EXR, JPEG or WebP")->required();
+  CLI::App* mip = app.add_subcommand("mip", "make a mip pyramid of colours or other data, averaged in linear light");
+  mip->add_option("image", o->job.input, "image to read: PNG, TIFF, EXR, JPEG or WebP")->required();
   add_output_option(*mip, o->job.output);
   add_parameter_options(*mip, o->values);
   add_common_options(*mip, o->common);
@@ -164,7 +170,8 @@ void add_mip(CLI::App& app, int* exit_code) {
 void add_reflectance(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ReflectanceOptions>();
   CLI::App* command = app.add_subcommand(
-      "reflectance", "bake lights into a mip-mapped map over normals, which antialiases highlights on curved surfaces");
+      "reflectance",
+      "bake lights into a mip-mapped map over normals, for highlights on curved surfaces without aliasing");
   add_output_option(*command, o->job.output);
   add_parameter_options(*command, o->values);
   add_common_options(*command, o->common);
@@ -177,8 +184,9 @@ void add_lod(CLI::App& app, int* exit_code) {
   o->job.kind = PyramidKind::kHeight;
   o->job.encoding = StorageEncoding::kFloat;
   o->job.wrap_s = o->job.wrap_t = WrapMode::kClamp;
-  CLI::App* lod = app.add_subcommand("lod", "make a level-of-detail pyramid of a height field or a grid of positions");
-  lod->add_option("image", o->job.input, "heights (integers: 0 to 1), or x, y, z of a grid of points")->required();
+  CLI::App* lod = app.add_subcommand("lod", "make a pyramid of levels of detail from heights or a grid of positions");
+  lod->add_option("image", o->job.input, "heights (integers count as 0 to 1), or x, y, z of a grid of points")
+      ->required();
   add_output_option(*lod, o->job.output);
   add_parameter_options(*lod, o->values);
   add_common_options(*lod, o->common);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A command line of `multum`, from its words to its exit code.
+// Runs a command line of `multum` and returns its exit code.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,19 +17,20 @@
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/fields/field_commands.h"
+#include "tools/multum/json_output.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
 namespace {
 
-// $XDG_CACHE_HOME, else ~/.cache; empty: nobody says.
+// $XDG_CACHE_HOME, or ~/.cache; empty if neither variable is set.
 std::string user_cache_folder() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') return xdg;
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::string(home) + "/.cache";
   return "";
 }
 
-// Of the command that a worker runs; one at a time.
+// The progress callback of the command that a worker runs; one at a time.
 Progress::Callback& listener() {
   static Progress::Callback callback;
   return callback;
@@ -36,28 +38,44 @@ Progress::Callback& listener() {
 
 void check_words(const std::vector<std::string>& words);
 
-void add_commands(CLI::App& app, int* exit_code) {
-  add_bake_command(app, exit_code);
-  add_export_command(app, exit_code);
-  add_gltf_command(app, exit_code);
-  add_plan_command(app, exit_code);
-  add_tradeoff_command(app, exit_code);
-  add_info_command(app, exit_code);
-  add_verify_command(app, exit_code);
-  add_devices_command(app, exit_code);
-  add_doctor_command(app, exit_code);
-  add_selftest_command(app, exit_code);
-  add_testmap_command(app, exit_code);
-  add_pyramid_commands(app, exit_code);
-  add_materials_command(app, exit_code);
-  add_parameters_command(app, exit_code);
-  add_field_commands(app, exit_code);
-  add_look_command(app, exit_code);
-  add_shaders_command(app, exit_code);
-  add_farm_commands(app, exit_code, check_words);
+// Puts the commands that `add` adds under a heading of the help.
+void add_group(CLI::App& app, const std::string& heading, const std::function<void()>& add) {
+  const std::size_t before = app.get_subcommands({}).size();
+  add();
+  const std::vector<CLI::App*> commands = app.get_subcommands([](CLI::App*) { return true; });
+  for (std::size_t i = before; i < commands.size(); ++i)
+    if (!commands[i]->get_group().empty()) commands[i]->group(heading);
 }
 
-// Parses the words of a command, and runs nothing. Throws Error(kUsage).
+void add_commands(CLI::App& app, int* exit_code) {
+  add_group(app, "Bake", [&] {
+    add_bake_command(app, exit_code);
+    add_plan_command(app, exit_code);
+    add_tradeoff_command(app, exit_code);
+    add_info_command(app, exit_code);
+    add_verify_command(app, exit_code);
+    add_materials_command(app, exit_code);
+    add_testmap_command(app, exit_code);
+    add_pyramid_commands(app, exit_code);
+  });
+  add_group(app, "Deliver", [&] {
+    add_export_command(app, exit_code);
+    add_gltf_command(app, exit_code);
+    add_look_command(app, exit_code);
+    add_shaders_command(app, exit_code);
+  });
+  add_group(app, "Fields", [&] { add_field_commands(app, exit_code); });
+  add_group(app, "Service", [&] { add_farm_commands(app, exit_code, check_words); });
+  add_group(app, "Machine", [&] {
+    add_doctor_command(app, exit_code);
+    add_devices_command(app, exit_code);
+    add_selftest_command(app, exit_code);
+    add_parameters_command(app, exit_code);
+    add_help_commands(app, exit_code);
+  });
+}
+
+// Parses the words of a command without running it. Throws Error(kUsage).
 void check_words(const std::vector<std::string>& words) {
   CLI::App app("", "multum");
   app.require_subcommand(1);
@@ -75,20 +93,17 @@ void check_words(const std::vector<std::string>& words) {
 
 int run_command(int argc, char** argv) {
   CLI::App app(
-      "multum bakes normal maps into textures that look right at every distance:\n"
-      "mip pyramids whose texels hold the distribution of the normals they cover, not their average.\n\n"
+      "multum bakes normal maps into mip pyramids that look right at every distance. A texel holds the\n"
+      "distribution of the normals that it covers, not their average.\n\n"
       "  multum bake bricks_normal.png -o bricks.ndf.exr     bake a map; print findings and the measured error\n"
-      "  multum bake --manifest maps.toml --check            bake the maps of a project that changed, and list them\n"
-      "  multum plan scene.toml                              show what a scene needs; bake scene.toml bakes only that\n"
-      "  multum tradeoff bricks_normal.png -o costs.html     show what accuracy costs in time and memory, as a page\n"
+      "  multum bake --manifest maps.toml --check            bake the changed maps of a project and list them\n"
+      "  multum bake scene.toml -o baked                     bake only what a scene shows; multum plan lists it\n"
+      "  multum export bricks_normal.png -o bricks           write normal and roughness mips for engines\n"
+      "  multum gltf helmet.glb -o helmet_mips.glb           give the textures of a model better mips\n"
+      "  multum look bricks.ndf.exr                          show baked lobes in the browser\n"
+      "  multum tradeoff bricks_normal.png -o costs.html     compare settings by error, time and memory\n"
       "  multum-view bricks.ndf.exr -o frame.png             render a baked file\n"
-      "  multum info bricks.ndf.exr                          print the header of a baked file\n"
-      "  multum export bricks_normal.png -o bricks           fit normal and roughness mips for engines as they are\n"
-      "  multum gltf helmet.glb -o helmet_mips.glb           the same for the textures of a model\n"
-      "  multum mip bricks.png -o bricks.exr                 average colours in linear light\n"
-      "  multum materials helmet.glb -o helmet               list the normal maps of a model as a manifest to bake\n"
-      "  multum selftest                                     check that this machine's OpenCL driver computes "
-      "correctly",
+      "  multum selftest                                     check the OpenCL driver of this machine",
       "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);
@@ -125,8 +140,8 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
   return run_command(count, argv.data());
 }
 
-// $MULTUM_CACHE_DIR, whose empty value switches the cache off, else the folder "multum" in the user's cache folder.
-// PoCL looks for its own folder in the same way.
+// $MULTUM_CACHE_DIR, whose empty value turns the cache off, or the folder "multum" in the user's cache. PoCL finds its
+// own cache in the same way.
 KernelCacheFolders kernel_cache_folders() {
   const char* programs = std::getenv("MULTUM_CACHE_DIR");
   const char* pocl = std::getenv("POCL_CACHE_DIR");
@@ -157,11 +172,17 @@ int apply(const CommonOptions& options) {
 }
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
-  command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
-  command.add_flag("-v,--verbose", options.verbose, "print plans, caches and timings too");
-  command.add_flag("-q,--quiet", options.quiet, "print nothing but errors and results");
-  command.add_flag("--openjd", options.openjd,
-                   "print openjd_progress, openjd_status and openjd_fail lines (docs/how-to/clusters.md)");
+  command.add_option("--threads", options.threads, "use this many threads (default: all cores)")
+      ->check(CLI::Range(1, 1024))
+      ->group(kCommonGroup);
+  command.add_flag("-v,--verbose", options.verbose, "also print plans, caches and timings")->group(kCommonGroup);
+  command.add_flag("-q,--quiet", options.quiet, "print only errors and results")->group(kCommonGroup);
+  CLI::Option* const json = add_json_option(command, options.json);
+  command
+      .add_flag("--openjd", options.openjd,
+                "print progress lines for the agent of a render farm (docs/how-to/clusters.md)")
+      ->excludes(json)
+      ->group(kCommonGroup);
 }
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum plan, and the scene mode of multum bake.
+// multum plan, and multum bake of a scene.
 #include "tools/multum/scene_mode.h"
 
 #include <sys/ioctl.h>
@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidthDefault = 100;
 
-// Of the terminal that stdout is, if it is one.
+// The width of the terminal on stdout, or kWidthDefault.
 int terminal_width() {
   winsize size{};
   return isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
@@ -44,28 +44,27 @@ int terminal_width() {
 struct PlanOptions {
   CommonOptions common;
   std::string scene, output;
-  bool json = false;
   int width = 0;
-  ParameterValues values{bake_parameters()};  // of a map alone
+  ParameterValues values{bake_parameters()};  // of one map
   int shares = 0;
   double share_seconds = -1.0;
 };
 
-// A map alone is what many would plan first.
+// Throws Error(kUsage) for an image, which many users would plan first.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
     throw Error(
         ErrorCode::kUsage,
         path +
-            ": is an image; plan takes a scene.toml (docs/reference/scenes.md), or an image with --shards N for a farm "
-            "(docs/how-to/clusters.md). What accuracy costs of one map: multum tradeoff " +
+            ": is an image, expected a scene.toml (docs/reference/scenes.md), or an image with --shards N for a farm "
+            "(docs/how-to/clusters.md). To compare settings for one map: multum tradeoff " +
             path + " -o costs.html");
 }
 
 int run_plan(const CLI::App& plan_command, const PlanOptions& o) {
   if (o.shares > 0 || o.share_seconds >= 0.0) {
     apply(o.common);
-    return run_share_plan({o.scene, o.values, o.shares, o.share_seconds, o.json});
+    return run_share_plan({o.scene, o.values, o.shares, o.share_seconds, o.common.json});
   }
   check_is_scene(o.scene);
   check_no_map_option_is_given(plan_command, o.scene);
@@ -82,16 +81,14 @@ int run_plan(const CLI::App& plan_command, const PlanOptions& o) {
   const ScenePlan plan = plan_scene(scene, settings, progress.get());
   progress_finish(progress.get());
   const fs::path folder = fs::path(o.output).parent_path();
-  const auto json = [&] {
-    return json_text(plan_json(scene, plan, {folder.empty() ? "." : folder.string()}), 2) + "\n";
-  };
-  if (!o.output.empty()) write_text_file(o.output, json());
-  const std::string text = o.json ? json() : plan_text(scene, plan, o.width > 0 ? o.width : terminal_width());
-  write_shown(stdout, text);
+  const auto json = [&] { return plan_json(scene, plan, {folder.empty() ? "." : folder.string()}); };
+  if (!o.output.empty()) write_text_file(o.output, json_text(json(), 2) + "\n");
+  if (o.common.json) print_json(json());
+  else write_shown(stdout, plan_text(scene, plan, o.width > 0 ? o.width : terminal_width()));
   return 0;
 }
 
-// Nothing that is read may be written.
+// Throws Error(kUsage) if an output is also an input.
 void check_outputs(const std::string& scene_file, const SceneDescription& scene, const SceneFiles& files) {
   std::vector<std::string> inputs = {scene_file}, outputs = {files.plan(), files.report()};
   for (const SceneMap& map : scene.maps) {
@@ -112,7 +109,7 @@ void print_map(const MapPlan& map, const SceneMapReport& report, const SceneFile
                 report.colours.unchanged ? "unchanged" : "written");
 }
 
-// How each object is looked at.
+// Prints the command that draws each object.
 void print_views(const ScenePlan& plan, const SceneFiles& files, const BakePrinting& printing) {
   for (const ObjectPlan& object : plan.objects)
     print_shown(printing.out, "multum-view scene %s --object %s -o %s.png\n", files.plan().c_str(), object.name.c_str(),
@@ -121,16 +118,19 @@ void print_views(const ScenePlan& plan, const SceneFiles& files, const BakePrint
 
 int run_scene_shares(const SceneRun& run, const WorkShard& shares, const DeviceChoice& device_choice,
                      const CommonOptions& common, const SceneMapDone& done) {
+  OrderedJson rows = OrderedJson::array();
   for (int i = shares.first; i <= shares.last; ++i) {
     openjd_part(static_cast<std::size_t>(i - shares.first), static_cast<std::size_t>(shares.last - shares.first + 1));
     const auto progress = make_progress(common);
     Device device = Device::when_needed(device_choice);
     const SceneShareReport report = bake_scene_share(run, i, shares.count, device, done, progress.get());
     progress_finish(progress.get());
-    if (!common.quiet)
+    if (prints_text(common))
       print_shown(stdout, "share %d of %d: %d map%s, %s\n", i, shares.count, report.maps, report.maps == 1 ? "" : "s",
                   report.was_there ? "unchanged" : "written");
+    rows.push_back({{"share", i}, {"of", shares.count}, {"maps", report.maps}, {"unchanged", report.was_there}});
   }
+  if (common.json) print_json({{"shares", rows}});
   return 0;
 }
 
@@ -138,6 +138,7 @@ int run_scene_merge(const SceneRun& run, int count, const CommonOptions& common,
   const auto progress = make_progress(common);
   const SceneReport report = merge_scene(run, count, progress.get());
   progress_finish(progress.get());
+  if (common.json) print_json(report.to_json());
   if (printing.quiet) return 0;
   print_shown(printing.out, "%s: %zu maps of %d share%s\n", run.files.report().c_str(), report.maps.size(), count,
               count == 1 ? "" : "s");
@@ -148,7 +149,7 @@ int run_scene_merge(const SceneRun& run, int count, const CommonOptions& common,
 }  // namespace
 
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
-  // What of a bake is said for all maps at once.
+  // Parameters that apply to all maps at once.
   static const std::set<std::string> kOfTheScene = {"memory", "device", "scalar",  "scratch",
                                                     "force",  "resume", "runstats"};
   for (const CLI::Option* option : bake.get_options()) {
@@ -157,7 +158,7 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
     std::replace(key.begin(), key.end(), '-', '_');
     if (bake_parameters().find(key) != nullptr && !kOfTheScene.contains(key))
       throw Error(ErrorCode::kUsage,
-                  shown_name(*option) + " cannot be given beside " + scene + ": the scene says how its maps are baked");
+                  shown_name(*option) + " cannot be given with " + scene + ": the scene has the settings of its maps");
   }
 }
 
@@ -185,6 +186,7 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   if (!printing.quiet) write_shown(printing.out, plan_text(run.scene, plan, terminal_width()));
   Device device = Device::open(device_choice);
   const SceneReport report = bake_scene(run.scene, plan, run.files, device, done, progress.get());
+  if (common.json) print_json(report.to_json());
   if (printing.quiet) return 0;
   write_shown(printing.out, report.to_text());
   print_views(plan, run.files, printing);
@@ -193,26 +195,29 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
 
 void add_plan_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* plan =
-      app.add_subcommand("plan", "show which effects a scene needs of its maps, and why (docs/reference/scenes.md)");
-  plan->add_option("scene", options->scene, "scene.toml: maps, materials, objects, lights, camera; or one map")
+  CLI::App* plan = app.add_subcommand(
+      "plan", "list the effects that a scene needs from its maps, with reasons (docs/reference/scenes.md)");
+  plan->footer(
+      "Examples:\n"
+      "  multum plan scene.toml\n"
+      "  multum plan cliff.png --shards 8");
+  plan->add_option("scene", options->scene, "scene.toml with maps, materials, objects, lights and camera; or one map")
       ->required();
   plan->add_option(
           "--shards", options->shares,
-          "of one map: predict the processor time of its shares 0/N to N/N and their merge (docs/how-to/clusters.md), "
-          "e.g. multum plan cliff.png --shards 8")
+          "predict the processor time of shares 0/N to N/N of one map and of their merge (docs/how-to/clusters.md)")
       ->type_name("N")
       ->check(CLI::Range(2, 4096));
   plan->add_option("--share-seconds", options->share_seconds,
-                   "of one map: as many bands as take about so much processor time each, in seconds; 0: one process")
+                   "divide one map into bands that take about this many seconds of processor time each; 0: one process")
       ->check(CLI::NonNegativeNumber);
-  plan->add_option("-o,--output", options->output, "write the plan as JSON");
-  plan->add_flag("--json", options->json, "print the plan as JSON");
-  plan->add_option("--width", options->width, "width of the table in characters (default: the terminal's)")
+  plan->add_option("-o,--output", options->output, "write the plan as JSON to this file");
+  plan->add_option("--width", options->width,
+                   "set the width of the table in characters (default: the width of the terminal)")
       ->check(CLI::Range(60, 1000));
   add_decoding_option(*plan);
   add_common_options(*plan, options->common);
-  // As multum bake takes them; they say what is fitted.
+  // The options of multum bake: shares of one map depend on its fit.
   add_parameter_options(*plan, options->values);
   plan->callback([plan, options, exit_code] { *exit_code = run_plan(*plan, *options); });
 }

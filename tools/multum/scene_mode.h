@@ -11,16 +11,16 @@
 
 namespace multum {
 
-/// Throws Error(kUsage) for options of one map: the scene names its maps.
+/// Throws Error(kUsage) for options of one map: the scene sets them for its maps.
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene);
 
-/// Of the work: all of it, some shares, or what puts their results together.
+/// The part of a bake: all of it, some shares, or the merge of all shares.
 struct SceneDivision {
   std::optional<WorkShard> shares;
   int merged_shards = 0;  // 0: none
 };
 
-/// `pattern` has what the command line says of every bake; its output is the folder. Returns the exit code.
+/// `pattern` has the settings of the command line for every map; its output is the folder. Returns the exit code.
 int run_scene(const std::string& scene, BakeJob pattern, const DeviceChoice& device, const CommonOptions& common,
               const BakePrinting& printing, const SceneDivision& division);
 

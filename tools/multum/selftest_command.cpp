@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest: the numerical cases of the kernels on the user's own device and driver.
+// multum selftest: runs the numerical cases of the kernels on the device and driver of the user.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -15,13 +15,14 @@
 #include "host/lab/reference/case_table.h"
 #include "host/lab/selftest/selftest.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
 
 struct SelftestCommandOptions {
   std::string device;
-  std::string json;
+  std::string report;
   std::string markdown;
   std::string with;
   SelftestOptions selftest;
@@ -46,25 +47,27 @@ int run_selftest_command(SelftestCommandOptions options) {
   options.selftest.without_guards = options.selftest.without_guards || !options.markdown.empty();
   const Stopwatch stopwatch;
   std::vector<NumericalRun> runs;
-  if (!options.with.empty()) runs.push_back(read_run(options.with));  // before the work, which takes a while
+  if (!options.with.empty()) runs.push_back(read_run(options.with));  // before the long work
   Device device = Device::open(options.device);
   const auto progress = make_progress(options.common);
   const NumericalRun run = run_selftest(device, options.selftest, progress.get());
   progress_finish(progress.get());
   const double seconds = stopwatch.seconds();
-  write_shown(stdout, fmt::format("device  {} ({}, {})\n\n", run.device, run.platform, run.driver));
-  write_shown(stdout, case_table(run));
+  if (options.common.json) print_json(parsed(case_json(run)));
+  else
+    write_shown(stdout, fmt::format("device  {} ({}, {})\n\n", run.device, run.platform, run.driver) + case_table(run));
   std::size_t broken = 0;
   for (const NumericalVerdict& v : run.verdicts) broken += v.holds() ? 0 : 1;
-  write_shown(stdout, fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds));
-  if (!options.json.empty()) write_text_file(options.json, case_json(run));
+  if (!options.common.json)
+    write_shown(stdout, fmt::format("\n{} cases, {} broken, {:.1f} s\n", run.verdicts.size(), broken, seconds));
+  if (!options.report.empty()) write_text_file(options.report, case_json(run));
   if (!options.markdown.empty()) {
     runs.insert(runs.begin(), run);
     write_text_file(options.markdown, stability_page(runs));
   }
   if (broken > 0)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{} of {} numerical cases are broken on {} ({}, {}): do not trust bakes made there", broken,
+                fmt::format("{} of {} numerical cases are broken on {} ({}, {}): do not trust its bakes", broken,
                             run.verdicts.size(), run.device, run.platform, run.driver));
   return 0;
 }
@@ -73,18 +76,18 @@ int run_selftest_command(SelftestCommandOptions options) {
 
 void add_selftest_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<SelftestCommandOptions>();
-  CLI::App* selftest = app.add_subcommand(
-      "selftest", "run the numerical hard cases on your device, to check that its driver keeps the guards");
+  CLI::App* selftest =
+      app.add_subcommand("selftest", "run the numerical hard cases of the kernels on a device, to check its driver");
   selftest->add_option("--device", options->device,
-                       "OpenCL device: its number in `multum devices`, else part of its name");
+                       "use this OpenCL device: its number in `multum devices`, or a part of its name");
   selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
   selftest->add_flag("--without-guards", options->selftest.without_guards,
-                     "run each case without its guard, too, to show what the guard is for");
-  selftest->add_option("--json", options->json, "write the verdicts to this file");
+                     "also run each case without its guard, to show the need for it");
+  selftest->add_option("--report", options->report, "write the verdicts to this file as JSON");
   selftest->add_option("--markdown", options->markdown,
-                       "write docs/contributing/STABILITY.md to this file; runs --without-guards");
+                       "write docs/contributing/STABILITY.md to this file; implies --without-guards");
   selftest->add_option("--with", options->with,
-                       "read the GL's verdicts for --markdown from this file of gl_stability_test");
+                       "with --markdown: read the verdicts about the GL from this file of gl_stability_test");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum shaders: the shading of lobes for engines, a file a language, with the textures that it takes, and the npm
-// package @multum/three.
+// multum shaders: writes the shading of lobes for engines, one file per language, with its textures, and the npm
+// package
+// @multum/three.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 #include "tools/multum/shading_files.h"
 
 namespace multum {
@@ -28,24 +30,22 @@ struct ShadersOptions {
 
 std::string json_string(std::string_view text) { return nlohmann::json(std::string(text)).dump(); }
 
-/// A module for three.js and whoever else takes GLSL as a string.
+/// A module for three.js and other programs that take GLSL as a string.
 std::string javascript_module() {
   const auto& fetching = lobe_texture_shaders();
   std::string numbers;
   for (const std::uint16_t half : ggx_lobe_table()) numbers += fmt::format("{}{}", numbers.empty() ? "" : ",", half);
   return fmt::format(
-      "// SPDX-License-Identifier: Apache-2.0\n"
-      "// Shading of multum's lobes for three.js, how textures of multum export --lobes are fetched, and the table "
-      "that\n"
-      "// GGX takes: halves, RGBA, linear filter, clamped.\n"
-      "export const lobesGlsl = {};\n"
-      "export const lobeTextureGlsl = {} +\n  {};\n"
+      "// SPDX-License-Identifier: Apache-2.0 // Shading of multum's lobes for three.js, how textures of multum\n"
+      "export --lobes are fetched, and the table that // GGX takes: halves, RGBA, linear filter, clamped. export\n"
+      "const lobesGlsl = {}; export const lobeTextureGlsl = {} +\n"
+      "  {};\n"
       "export const ggxLobeTable = {{ width: {}, height: {}, data: new Uint16Array([{}]) }};\n",
       json_string(shading_files().at("multum_lobes.glsl")), json_string(fetching.at("common/texture_filter.glsl")),
       json_string(fetching.at("surface/lobes.glsl")), kGgxLobeTableSide, kGgxLobeTableSide, numbers);
 }
 
-/// Of one level.
+/// Writes a texture of one level.
 void write_texture(const std::string& path, TexelFormat format, int side, const void* texels) {
   const auto file = make_ktx2_file(path, {format, side, side, 1});
   file->write_rows(0, side, texels);
@@ -63,7 +63,8 @@ int run_shaders(const ShadersOptions& o) {
   write_texture((folder / "ggx_lobe_table.ktx2").string(), TexelFormat::kRgba16f, kGgxLobeTableSide,
                 ggx_lobe_table().data());
   write_texture((folder / "blue_noise.ktx2").string(), TexelFormat::kRgba8, kBlueNoiseSide, blue_noise().data());
-  if (o.common.quiet) return 0;
+  if (o.common.json) print_json({{"output", path_json(o.folder)}});
+  if (!prints_text(o.common)) return 0;
   print_shown(
       stdout,
       "%s: written: multum_lobes in GLSL, HLSL, Metal, WGSL and JavaScript, ggx_lobe_table.ktx2, blue_noise.ktx2, "
@@ -78,7 +79,7 @@ void add_shaders_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ShadersOptions>();
   CLI::App* command = app.add_subcommand(
       "shaders",
-      "the shading of lobes for engines, in GLSL, HLSL, Metal, WGSL and JavaScript, and @multum/three for three.js "
+      "write the shading of lobes in GLSL, HLSL, Metal, WGSL and JavaScript, and @multum/three for three.js "
       "(docs/how-to/draw_lobes.md)");
   command->add_option("-o,--output", options->folder, "folder to write to")->required();
   add_common_options(*command, options->common);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that `multum shaders` writes, as they were when the project was built.
+// Gives access to the files that `multum shaders` writes, which the build embeds in the program.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// The shading of lobes in every language, of tools/shading_languages.py, by file name.
+/// The shading of lobes in every language, made by tools/shading_languages.py, by file name.
 const std::map<std::string, std::string_view>& shading_files();
 
 /// GLSL that fetches lobes from textures of `multum export --lobes`, by path in runtime_gl/shaders.

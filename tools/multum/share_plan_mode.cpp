@@ -14,15 +14,15 @@
 #include "host/formats/asset/representation.h"
 #include "host/formats/image/files/image_file.h"
 #include "host/foundation/base/error.h"
-#include "host/foundation/base/files/json_file.h"
 #include "host/foundation/base/shown_text.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsMax = std::int64_t{1} << 30;
 
-// By the file's own few bytes, where they say so; else by a library, in a child.
+// Reads the size from the first bytes of the file if its format allows, else by a library in a child process.
 std::pair<int, int> map_size(const std::string& path) {
   const ImageContainer container = inspect_image_container(path, kTexelsMax);
   if (container.width > 0) return {static_cast<int>(container.width), static_cast<int>(container.height)};
@@ -39,7 +39,7 @@ BakeShape shape_of(const BakeJob& job) {
   shape.encoding = job.encoding;
   shape.first_level = job.fitting.first_level;
   shape.has_colours = !job.albedo.empty();
-  shape.weight_count = job.weights.empty() ? 0 : 4;  // as many as a file has at most
+  shape.weight_count = job.weights.empty() ? 0 : 4;  // the most that a file can have
   shape.exponent_count = job.measure ? static_cast<int>(job.measured_exponents.size()) : 0;
   return shape;
 }
@@ -80,8 +80,8 @@ int run_share_plan(const SharePlanOptions& o) {
                           !o.values.has("target_error") && !o.values.has("budget_ms") && job.onto.empty();
   if (o.count > 0 && !is_divided)
     throw Error(ErrorCode::kUsage,
-                "--shards is given, expected a bake of two lobes and more, without --refine, "
-                "--onto, --target-error or --budget-ms");
+                "--shards needs a bake of at least two lobes per texel without --refine, --onto, --target-error or "
+                "--budget-ms");
   const double whole = bake_processor_seconds(shape);
   const int count = o.count > 0 ? o.count : is_divided ? share_count_of(shape, settings, o.share_seconds) : 0;
   const ShareCost cost = count > 0 ? share_cost(shape, settings, count) : ShareCost{};
@@ -89,17 +89,17 @@ int run_share_plan(const SharePlanOptions& o) {
     write_shown(stdout, plan_text(job, shape, whole, cost));
     return 0;
   }
-  nlohmann::json json = {{"input", job.input},
-                         {"width", shape.width},
-                         {"height", shape.height},
-                         {"processor_seconds", whole},
-                         {"shares", count}};
+  OrderedJson json = {{"input", path_json(job.input)},
+                      {"width", shape.width},
+                      {"height", shape.height},
+                      {"processor_seconds", whole},
+                      {"shares", count}};
   if (count > 0)
     json.update({{"coarse_from_level", cost.coarse_from},
                  {"coarse_seconds", cost.coarse_seconds},
                  {"band_seconds", cost.band_seconds},
                  {"merge_seconds", cost.merge_seconds}});
-  print_shown(stdout, "%s\n", json_text(json, 2).c_str());
+  print_json(json);
   return 0;
 }
 

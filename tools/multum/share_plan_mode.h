@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum plan of one map: what its shares will take.
+// Runs `multum plan` of one map: predicts the times of its shares.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace multum {
 struct SharePlanOptions {
   std::string input;
   ParameterValues values;      // of a bake
-  int count = 0;               // of bands; 0: as many as take `share_seconds` each
-  double share_seconds = 0.0;  // of processor time
+  int count = 0;               // number of bands; 0: as many as take `share_seconds` each
+  double share_seconds = 0.0;  // processor time per band
   bool json = false;
 };
 
-/// Prints it. Throws Error.
+/// Prints the plan. Throws Error.
 int run_share_plan(const SharePlanOptions& options);
 
 }  // namespace multum

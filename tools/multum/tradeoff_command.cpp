@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum tradeoff: what accuracy costs in time, for one map on this machine.
+// multum tradeoff: measures error, time and memory of many settings for one map on this machine.
 #include <cstdio>
 #include <memory>
 
@@ -14,6 +14,7 @@
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -23,11 +24,11 @@ struct TradeoffOptions {
   TradeoffJob job;
   ParameterValues values{bake_parameters()};
   std::optional<double> budget_ms, bake_ms_max;
-  std::string brdf = TargetBrdf().text, output, json, markdown;
+  std::string brdf = TargetBrdf().text, output, report, markdown;
   bool quick = false, full = false, no_pictures = false;
 };
 
-// What the map is; the sweep says how it is baked.
+// Parameters of reading the map; the sweep sets the parameters of the bake.
 std::vector<std::string> parameters_of_the_map() {
   std::vector<std::string> names = {"device"};
   for (const Parameter& row : bake_parameters().rows())
@@ -46,7 +47,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   if (o.bake_ms_max) job.bake_seconds_max = *o.bake_ms_max / 1e3;
   job.length = o.quick ? SweepLength::kQuick : o.full ? SweepLength::kFull : SweepLength::kDefault;
   if (!o.no_pictures) job.viewer = find_viewer();
-  const std::vector<std::string> outputs = {o.output, o.json, o.markdown};
+  const std::vector<std::string> outputs = {o.output, o.report, o.markdown};
   check_paths_differ(input_files(job.bake), outputs);
   for (const std::string& path : outputs)
     if (!path.empty()) check_writable(path);
@@ -55,9 +56,10 @@ int run_tradeoff_command(TradeoffOptions& o) {
   const auto progress = make_progress(o.common);
   const TradeoffResult result = run_tradeoff(job, device, progress.get());
   write_text_file(o.output, tradeoff_page(job, result));
-  if (!o.json.empty()) write_text_file(o.json, tradeoff_json(job, result));
+  if (!o.report.empty()) write_text_file(o.report, tradeoff_json(job, result));
   if (!o.markdown.empty()) write_text_file(o.markdown, tradeoff_markdown(result));
-  if (!o.common.quiet)
+  if (o.common.json) print_json(parsed(tradeoff_json(job, result)));
+  if (prints_text(o.common))
     print_shown(stdout, "%s: written, %zu settings in %.0f s\n%s", o.output.c_str(), result.setting_count(),
                 result.seconds, tradeoff_text(job, result).c_str());
   const bool is_asked = job.error || job.bake_seconds || job.has_budget();
@@ -69,46 +71,53 @@ int run_tradeoff_command(TradeoffOptions& o) {
 void add_tradeoff_command(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<TradeoffOptions>();
   CLI::App* command = app.add_subcommand(
-      "tradeoff",
-      "bake a map with every kind of setting, and write a page of error against time and memory to choose from");
+      "tradeoff", "bake a map with many settings, and write a page that compares their error, time and memory");
   command->add_option("input", o->job.bake.input, "normal map or height field")->required();
-  command->add_option("-o,--output", o->output, "page to write, *.html: one file, pictures and all")->required();
-  command->add_option("--json", o->json, "write all figures to this file, too");
-  command->add_option("--markdown", o->markdown, "write the table to this file, too");
-  CLI::Option* error = command
-                           ->add_option("--target-error", o->job.error,
-                                        "pick the cheapest settings within this error: relative L1 of pixels")
-                           ->check(CLI::PositiveNumber);
-  command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
+  command->add_option("-o,--output", o->output, "page to write, *.html; one file with all pictures")->required();
+  command->add_option("--report", o->report, "write all figures to this file as JSON");
+  command->add_option("--markdown", o->markdown, "write the table to this file as Markdown");
+  CLI::Option* error =
+      command
+          ->add_option("--target-error", o->job.error,
+                       "choose the cheapest settings within this relative L1 error of pixels (0.1: 10 %)")
+          ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--budget-ms", o->budget_ms,
+                   "choose the most accurate settings that bake within this many milliseconds")
       ->check(CLI::PositiveNumber)
       ->excludes(error);
   command
-      ->add_option(
-          "--max-bytes", o->job.bytes_max,
-          "largest size on the GPU, e.g. 33M (MiB): settings above it are struck out and not picked; may be combined "
-          "with the other two limits and with --target-error; without that, the most accurate settings are picked")
+      ->add_option("--max-bytes", o->job.bytes_max,
+                   "exclude settings that take more memory on the GPU, such as 33M (MiB)")
       ->transform(CLI::AsSizeValue(false));
-  command->add_option("--max-frame-ms", o->job.frame_ms_max, "longest time of a frame; otherwise like --max-bytes")
+  command->add_option("--max-frame-ms", o->job.frame_ms_max, "exclude settings whose frame takes longer")
       ->check(CLI::PositiveNumber);
-  command->add_option("--max-bake-ms", o->bake_ms_max, "longest time of a bake; otherwise like --max-bytes")
+  command->add_option("--max-bake-ms", o->bake_ms_max, "exclude settings whose bake takes longer")
       ->check(CLI::PositiveNumber);
   CLI::Option* const brdf =
       command
-          ->add_option("--brdf", o->brdf, "BRDF of the errors: " + brdf_forms("") + " or the file of a measured BRDF")
+          ->add_option("--brdf", o->brdf,
+                       "measure errors with this BRDF: " + brdf_forms("") + " or the file of a measured BRDF")
           ->capture_default_str();
-  CLI::Option* quick = command->add_flag("--quick", o->quick, "run a dozen bakes instead of some forty");
+  CLI::Option* quick = command->add_flag("--quick", o->quick, "run about 12 bakes instead of about 40");
   command
       ->add_flag("--full", o->full,
-                 "run some sixty-five bakes: harmonics to order 20, every number of lobes fitted longer")
+                 "run about 65 bakes: harmonics up to order 20, and longer fits for every number of lobes")
       ->excludes(quick);
-  command->add_flag("--no-pictures", o->no_pictures, "draw nothing: no frame times, no rendered errors");
-  command->add_option("--context", o->job.context, "GL to draw with: auto, osmesa or egl")
+  command->add_flag("--no-pictures", o->no_pictures, "draw no pictures: without frame times and rendered errors");
+  command->add_option("--context", o->job.context, "draw with this GL: auto, osmesa (software) or egl")
       ->check(CLI::IsMember(choice_names(kContextBackends)))
       ->capture_default_str();
   add_parameter_options(*command, o->values, parameters_of_the_map());
   for (const char* option : {"--roughness", "--gloss"}) command->get_option(option)->excludes(brdf);
   add_decoding_option(*command, &o->job.decode);
   add_common_options(*command, o->common);
+  command->footer(
+      "Example:\n"
+      "  multum tradeoff bricks_normal.png -o costs.html --max-bytes 33M\n"
+      "The limits --max-bytes, --max-frame-ms and --max-bake-ms may be combined with each other and with\n"
+      "--target-error. With limits only, the most accurate settings within them are chosen. Excluded settings are\n"
+      "struck out.");
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });
 }
 

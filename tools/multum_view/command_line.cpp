@@ -13,8 +13,10 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/nearest_name.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/command_line/absent_commands.h"
 #include "tools/command_line/before_command.h"
+#include "tools/command_line/help_files.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/driver_faults.h"
 #include "tools/multum_view/view_commands.h"
@@ -23,11 +25,11 @@ namespace multum {
 namespace {
 
 void add_object_option(CLI::App& app, MapOptions& options) {
-  app.add_option("--object", options.object, "name of the scene's object (default: its only one)");
+  app.add_option("--object", options.object, "object of the scene to draw (default: the only one)");
 }
 
 void add_scene_options(CLI::App& app, CommandOptions& o) {
-  app.add_option("plan", o.map.plan, "plan.json, which says how each object is drawn; options replace its settings")
+  app.add_option("plan", o.map.plan, "plan.json that `multum bake scene.toml` wrote; options replace its settings")
       ->required();
   add_object_option(app, o.map);
   add_picture_option(app, o.map.picture.output)->required();
@@ -39,9 +41,9 @@ void add_scene_options(CLI::App& app, CommandOptions& o) {
 
 void add_animate_options(CLI::App& app, CommandOptions& o) {
   CLI::Option* const file = app.add_option("file", o.map.file, "baked map, *.ndf.exr");
-  app.add_option("--scene", o.map.plan, "plan.json of a scene, instead of the file")->excludes(file);
+  app.add_option("--scene", o.map.plan, "plan.json of a scene, instead of a baked map")->excludes(file);
   add_object_option(app, o.map);
-  app.add_option("-o,--output", o.map.animation.folder, "folder for frame_0000.png and so on")->required();
+  app.add_option("-o,--output", o.map.animation.folder, "folder for the frames: frame_0000.png and so on")->required();
   add_animation_options(app, o.map.animation);
   add_map_options(app, o.map);
 }
@@ -53,37 +55,42 @@ int run_animate(const CommandOptions& o) {
 }
 
 const ViewCommand kOwnCommands[] = {
-    {"scene", "Draw an object of a scene that `multum bake scene.toml` made",
+    {"scene", "Draw an object of a scene that `multum bake scene.toml` baked",
      "  multum-view scene out/plan.json --object wall -o wall.png", add_scene_options,
      [](const CommandOptions& o) { return draw_map(o.map); }},
     {"animate",
      "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
      "factors",
-     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60",
+     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
+     "environment_processor_ms in the report is the processor time for the light of a frame. made: its maps, for\n"
+     "the first and last frame a whole environment, for others their mixture. set: uploads, and with\n"
+     "--environment-mode sh the harmonics over the half vectors of the frame.",
      add_animate_options, run_animate},
-    {"pyramid", "Draw a surface that takes its colours from a pyramid, with several kinds of lookup",
+    {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
      "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
      [](CLI::App& app, CommandOptions& o) { add_pyramid_options(app, o.pyramid); },
      [](const CommandOptions& o) { return draw_pyramid(o.pyramid); }},
-    {"lod", "Draw a pyramid of heights or positions as a mesh of one level of detail",
+    {"lod", "Draw one level of a pyramid of heights or positions as a mesh",
      "  multum-view lod terrain.exr --level 2.5 -o view.png",
      [](CLI::App& app, CommandOptions& o) { add_lod_options(app, o.lod); },
      [](const CommandOptions& o) { return draw_lod(o.lod); }},
-    {"model", "Draw a glTF model with its own materials and the maps that were baked for them",
+    {"model", "Draw a glTF model with its materials and their baked maps",
      "  multum-view model ship.gltf --material hull=maps/1_hull.ndf.exr -o ship.png",
      [](CLI::App& app, CommandOptions& o) { add_model_options(app, o.model); },
      [](const CommandOptions& o) { return draw_model(o.model); }},
-    {"thumbnails", "Draw small pictures of a job's input and result, for the service's page",
+    {"thumbnails", "Draw small pictures of the input and result of a job, for the page of the service",
      "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
-     "Writes render.png and, if --source is the file that was baked, input.png and error.png (four times as bright).\n"
-     "For a folder of `multum infer`, writes render.png.",
+     "Writes render.png. With --source, if the map did not change since the bake, it also writes input.png and\n"
+     "error.png, which shows the error four times as bright. For a folder of `multum infer` it writes render.png\n"
+     "only.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
-    {"each", "Run several command lines in one process, so that GL is loaded only once",
+    {"each", "Run several command lines in one process, so that GL is loaded once",
      "  multum-view each views.json\n\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
-     "If a command line fails, the run ends with its exit code.",
+     "It stops at the first command line that fails and returns its exit code. Loading GL takes about 50 ms of\n"
+     "processor time per picture in software.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
      [](const CommandOptions& o) { return run_each(o.each); }}};
 
@@ -91,28 +98,41 @@ const std::vector<ViewCommand>& view_commands() {
   static const std::vector<ViewCommand> commands = [] {
     std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
     const std::vector<ViewCommand> more = field_commands();
-    all.insert(all.begin() + 2, more.begin(), more.end());  // after scene and animate
+    all.insert(all.begin() + 2, more.begin(), more.end());  // behind scene and animate
     return all;
   }();
   return commands;
 }
 
-const char* const kDescription =
-    "Render a baked map without a window, in software or on a GPU.\n\n"
+const char* const kDescription = "Render a baked map without a window, in software or on a GPU.";
+
+const char* const kExamples =
+    "Examples:\n"
     "  multum-view bricks.ndf.exr -o frame.png\n"
     "  multum-view bricks.ndf.exr --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian -o "
     "sheet.png\n"
-    "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
-    "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n"
-    "  multum-view scene out/plan.json --object wall -o wall.png             an object of multum bake scene.toml\n"
-    "  multum-view sample out/ --at 3,5 -o frame.png                         textures of `multum infer`\n"
-    "  multum-view play field.mpt --path 'view=0..7' --frames 90 -o frames/   frames along a path";
+    "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
+    "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the same filter. points,\n"
+    "toksvig-points and so on shade them at as many points of each pixel as the map takes evaluations. On a mesh,\n"
+    "all add the variance of its normals within a pixel. Under --environment, lean is the same as toksvig. For a\n"
+    "file with roughness, the points pictures use unit normals and a roughness map whose levels are averages of\n"
+    "perceptual roughness, as engines do. The reference is read with the settings of the bake: a wrong --green is\n"
+    "wrong in both unless it is given here.\n\n"
+    "--evaluations: where the normals under a pixel are alike, evaluations go to points with one lobe each;\n"
+    "elsewhere they go to lobes, at as many points as are left. If a texel has more lobes than evaluations, the\n"
+    "most alike are merged. On a mesh, lobes are read at 2 x 2 places of the pixel and turned by the frame of\n"
+    "each. The default is 0 with --shade-taps, --shade-first, --formula paper and --reference-of texels, and for\n"
+    "one lobe, planar Gaussians, moments and harmonics.\n\n"
+    "--anisotropy: the software renderer of Mesa 22.3 draws the same for 2, 4 and 16, and filters maps whose sides\n"
+    "are not powers of two wrongly above 1.\n\n"
+    "Options about reading the map, from --bumpformat to --repair-max, apply to --source. Their default is the\n"
+    "reading of the bake.";
 
 void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
   app.require_subcommand(0, 1);
   app.add_option("file", options.map.file,
-                 "baked map, *.ndf.exr, or its lobe textures of multum export --lobes, *.ktx2");
+                 "baked map, *.ndf.exr, or its lobes as multum export --lobes stores them, *.ktx2");
   add_picture_option(app, options.map.picture.output);
   add_pictures_option(app, options.map.picture.output);
   add_alone_option(app, options.map.picture.output);
@@ -120,13 +140,34 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   add_map_options(app, options.map);
   for (const ViewCommand& command : view_commands()) {
     CLI::App* const added = app.add_subcommand(command.name, command.description);
-    added->footer(command.examples);
+    added->group("Commands");
+    added->footer(std::string("Examples:\n") + command.examples);
     command.add(*added, options);
   }
   if (field_commands().empty()) add_absent_commands(app, {"sample", "play", "probe"}, "fields", "MULTUM_FIELDS");
 }
 
-/// Returns advice for a word that is in the place of a subcommand and names no file; else an empty text.
+struct HelpOptions {
+  std::string shell, folder;
+  bool markdown = false;
+};
+
+// Hidden commands: multum completion and multum man call them.
+void add_help_commands(CLI::App& app, HelpOptions& o) {
+  CLI::App* const completion = app.add_subcommand("completion", "")->group("");
+  completion->add_option("shell", o.shell)->required()->check(CLI::IsMember(kShells));
+  CLI::App* const man = app.add_subcommand("man", "")->group("");
+  man->add_option("-o,--output", o.folder);
+  man->add_flag("--markdown", o.markdown);
+}
+
+void run_help_command(const CLI::App& app, const std::string& command, const HelpOptions& o) {
+  if (command == "completion") write_shown(stdout, completion_of(app, o.shell));
+  else if (o.markdown) write_shown(stdout, command_page_of(app));
+  else write_man_pages(app, o.folder);
+}
+
+/// The message about a misspelt subcommand, if the word names no file; else empty.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -139,7 +180,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// Names the subcommands that have an option which the program itself lacks; else returns "".
+/// The message about an option that only subcommands have; else empty.
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));
@@ -147,7 +188,8 @@ std::string option_of_subcommands(const CLI::App& app) {
     for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
       if (name.starts_with("--") && command->get_option_no_throw(name) != nullptr)
         owners.push_back("'" + app.get_name() + " " + command->get_name() + "'");
-    if (!owners.empty()) return fmt::format("unknown option '{}'; it belongs to {}", name, fmt::join(owners, " and "));
+    if (!owners.empty())
+      return fmt::format("unknown option '{}' here; it is an option of {}", name, fmt::join(owners, " and "));
   }
   return "";
 }
@@ -160,7 +202,8 @@ std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("{}: {}\nSee '{} --help'.\n", program, text, program);
 }
 
-/// Returns the subcommand that runs; empty: draw a baked map. Throws Error(kUsage) for options before a subcommand.
+/// The subcommand that runs; empty: a baked map is drawn. Throws Error(kUsage) for options before a subcommand, which
+/// would have no effect.
 std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
   if (app.get_subcommands().empty()) {
     if (options.map.file.empty()) throw CLI::RequiredError("file");
@@ -172,7 +215,7 @@ std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
     if (option->count() > 0)
       throw Error(
           ErrorCode::kUsage,
-          fmt::format("found {} before '{}', expected options after the subcommand",
+          fmt::format("found {} before '{}', expected the options of a subcommand after it",
                       option->get_positional() ? options.map.file : "--" + option->get_lnames().front(), command));
   return command;
 }
@@ -181,10 +224,14 @@ std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
 
 int run_view_command(int argc, char** argv) {
   CommandOptions options;
+  HelpOptions help;
   CLI::App app(kDescription, "multum-view");
+  app.footer(kExamples);
   app.failure_message(view_usage_error);
   add_commands(app, options);
+  add_help_commands(app, help);
   prepare_commands(app);
+  const NewFolders new_folders;
   std::string chosen;
   try {
     app.parse(argc, argv);
@@ -199,8 +246,8 @@ int run_view_command(int argc, char** argv) {
       throw Error(ErrorCode::kUsage, message);
   }
   explain_driver_faults();
-  const NewFolders new_folders;
   int code = 0;
+  if (chosen == "completion" || chosen == "man") run_help_command(app, chosen, help);
   if (chosen.empty()) code = draw_map(options.map);
   for (const ViewCommand& command : view_commands())
     if (chosen == command.name) code = command.run(options);

@@ -28,51 +28,52 @@ CLI::Option* add_parsed_list(CLI::App& app, const std::string& option, std::vect
 
 void add_environment_options(CLI::App& app, LightOptions& options) {
   app.add_option("--environment", options.environment,
-                 "environment light, also shown as the background: a latitude-longitude image, .exr or .hdr");
+                 "light the scene by this latitude-longitude image, .exr or .hdr, and show it in the background");
   app.add_option("--environment-turn", options.environment_turn,
                  "rotate the environment about the up axis by this many degrees, counterclockwise seen from above")
       ->check(number_in(-3600.0f, 3600.0f));
-  app.add_flag("--no-background", options.no_background, "draw black behind the surface instead of the environment");
+  app.add_flag("--no-background", options.no_background, "draw a black background instead of the environment");
   add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
-             "highlights of the environment: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for "
-             "broad BRDFs)")
+             "shade highlights of the environment by mips convolved with vMFs (prefiltered) or by harmonics up to "
+             "order 8, for broad BRDFs (sh)")
       ->default_str("prefiltered");
 }
 
 void add_shading_options(CLI::App& app, ShadingOptions& options) {
   add_choice(app, "--formula", options.formula, kLobeFormulas,
-             "how to combine lobe and BRDF: product (of mean cosines) or paper (Han 2007, eq. 20)");
+             "combine lobe and BRDF by the product of mean cosines (product), or as Han et al. 2007, eq. 20 (paper)");
   app.add_flag("--shade-first", options.shade_first,
-               "shade the lobes of all eight texels of a trilinear footprint, then mix; slow, and needed for bakes "
-               "with --unaligned");
-  add_choice(app, "--surface", options.surface, kMapSurfaces,
-             "where lobes of level 0 are magnified, blend the light of the nearest texels (texels), or show the normal "
-             "map's interpolated surface as engines do (interpolated)")
-      ->default_str("as in --reference-texels, else texels");
+               "shade the lobes of all eight texels of a trilinear lookup, then mix the light; slow, for --unaligned "
+               "bakes");
+  add_choice(
+      app, "--surface", options.surface, kMapSurfaces,
+      "magnify lobes of level 0 by blending the light of the texels (texels), or by interpolating the normal map "
+      "as engines do (interpolated)")
+      ->default_str("as --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
-             "shade a file of moments by toksvig, lean or lean-jacobian (default: lean-jacobian)");
+             "shade a file of moments by this method (default: lean-jacobian); by --environment all are toksvig");
   app.add_option("--colour-map", options.colour_map,
-                 "colours for a file of lobes without colours: a pyramid of multum mip, such as a scene's bake writes");
+                 "read colours for a file without colours from this pyramid of `multum mip`");
 }
 
 void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const taps =
       app.add_option("--taps", options.filter.taps,
-                     "most trilinear lookups of every texture along a pixel's longer axis; 1: a single lookup")
+                     "take at most this many trilinear lookups of each texture along the longer axis of a pixel")
           ->check(CLI::Range(1, kTapCountMax))
           ->capture_default_str();
   CLI::Option* const bias =
-      add_level_bias_option(app, options.level_bias, "number added to the mip level of each lookup; below 0 is sharper")
+      add_level_bias_option(app, options.level_bias, "add this to the mip level; below 0 is sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
-  CLI::Option* const shade = app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
-                                          "shade each of the --taps lookups, then average; --no-shade-taps: average "
-                                          "the lookups, then shade once (default)");
+  CLI::Option* const shade = app.add_flag(
+      "--shade-taps,!--no-shade-taps", options.filter.shades_taps,
+      "shade each of --taps and average the light; --no-shade-taps (default): average the lookups and shade "
+      "once, which is faster and less accurate");
   CLI::Option* const evaluations =
       app.add_option_function<int>(
              "--evaluations", [&options](const int& count) { options.evaluations = count; },
-             "shading evaluations per pixel, 1, 2, 4, 8 or 16: at points where normals are similar, else of lobes; 0: "
-             "each lobe once (default: the number of lobes, rounded up to a power of two; 0 with --shade-taps, "
-             "--shade-first, --formula paper and files without vMF lobes)")
+             "evaluate the light of the map this often per pixel; 0: once per lobe (default: the number of lobes, "
+             "rounded up to a power of two)")
           ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
   app.add_option_function<float>(
@@ -92,65 +93,66 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
 }  // namespace
 
 void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
-  app.add_option("--mesh", options.mesh,
-                 "OBJ, glTF or GLB that gets the map (default: a plane z = 0 that reaches the horizon: x from -30 to "
-                 "30, y from 0 to 60)");
+  app.add_option(
+      "--mesh", options.mesh,
+      "draw the map on this OBJ, glTF or GLB mesh (default: a plane z = 0 up to the horizon, x from -30 to 30, "
+      "y from 0 to 60)");
 }
 
 void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--repeat", options.repeat,
-                 "repeats of the map across the plane or uv unit (default: 60; 1 with a mesh)")
+                 "repeat the map this often across the plane or uv unit (default: 60; on a mesh 1)")
       ->check(number_in(1e-6f, 1e6f));
 }
 
 void add_camera_options(CLI::App& app, CameraOptions& options) {
-  add_parsed(app, "--camera", options.place, parse_camera,
-             "eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939 for the plane; a "
-             "view of the whole mesh)");
+  add_parsed(
+      app, "--camera", options.place, parse_camera,
+      "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, all of "
+      "it)");
   add_parsed(app, "--up", options.up, parse_up,
-             "up direction of the picture, x,y,z (default: 0,0,1; with a mesh 0,1,0)");
+             "set the up direction of the picture, x,y,z (default: 0,0,1; on a mesh 0,1,0)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {
-  add_parsed(app, "--distance", options.distances, parse_distances,
-             "draw the mesh from several distances, a list of factors of the camera's distance; 1,5,25 with -o "
-             "NAME.png writes NAME_1.png, NAME_5.png and NAME_25.png");
+  add_parsed(
+      app, "--distance", options.distances, parse_distances,
+      "draw the mesh at several distances, a list of factors; 1,5,25 writes NAME_1.png, NAME_5.png and NAME_25.png "
+      "for -o NAME.png");
 }
 
 void add_light_options(CLI::App& app, LightOptions& options) {
   add_parsed_list(app, "--light", options.distant, parse_light,
-                  "direction towards a distant light: x,y,z[,irradiance]; up to 8 times");
+                  "add a distant light: x,y,z[,irradiance], the direction towards it; up to 8 times");
   add_parsed_list(app, "--point-light", options.points, parse_point_light,
-                  "position and intensity of a point light: x,y,z,i or x,y,z,r,g,b; up to 8 times");
+                  "add a point light: x,y,z,i or x,y,z,r,g,b, its place and intensity; up to 8 times");
 }
 
 void add_material_options(CLI::App& app, MaterialOptions& options) {
   using CLI::MultiOptionPolicy;
   app.add_option("--brdf", options.brdfs,
-                 brdf_forms("", true) +
-                     ", or the file of a measured BRDF (.brdf text, .binary of MERL, .json of a fit); several times: "
-                     "basis BRDFs that the file's weights blend; a file baked with roughness has its own BRDF "
-                     "(default: blinn-phong:100)")
+                 "shade with " + brdf_forms("", true) +
+                     ", or a measured BRDF (.brdf text, MERL .binary, .json of a fit); once per basis BRDF (default: "
+                     "blinn-phong:100, or the roughness of the file)")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "number of vMF densities that approximate measured facets over lobes and, under an environment, all "
-                 "facets that one density fits badly; more is more accurate and slower")
+                 "fit measured facets by a sum of this many vMF densities over lobes, and other facets under an "
+                 "environment; more is slower and has a lower error")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
-  add_parsed_list(
-      app, "--diffuse", options.diffuse, parse_colour,
-      "diffuse reflectance, grey or r,g,b (default: 0.5, or the measured one); several times: one for each --brdf")
+  add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,
+                  "set the diffuse reflectance, grey or r,g,b (default: 0.5, or the measured one); once per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
-  add_parsed_list(app, "--specular", options.specular, parse_colour,
-                  "specular factor, grey or r,g,b (default: 0.1; 1 if the BRDF has Fresnel or is measured); several "
-                  "times: one for each --brdf")
+  add_parsed_list(
+      app, "--specular", options.specular, parse_colour,
+      "set the specular factor, grey or r,g,b (default: 0.1, or 1 for BRDFs with Fresnel or measured ones); "
+      "once per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
-             "replace the BRDF's Fresnel term at every angle by this number, grey or r,g,b; a scene's plan may set it "
-             "too. The shader then leaves out the term's code");
+             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and leave its code out");
 }
 
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {
@@ -158,8 +160,8 @@ CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {
 }
 
 void add_output_options(CLI::App& app, OutputOptions& options) {
-  add_parsed(app, "--size", options.size, parse_size, "size of each picture in pixels")->default_str("640x480");
-  app.add_option("--exposure", options.exposure, "brightness of a PNG")
+  add_parsed(app, "--size", options.size, parse_size, "set the size of each picture in pixels")->default_str("640x480");
+  app.add_option("--exposure", options.exposure, "multiply the brightness of PNG pictures by this")
       ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();
   app.add_option("--report", options.report, "write errors, times and settings as JSON");
@@ -170,7 +172,7 @@ CLI::Option* add_level_bias_option(CLI::App& app, std::optional<float>& bias, co
 }
 
 void add_context_option(CLI::App& app, gl::ContextBackend& context) {
-  add_choice(app, "--context", context, kContextBackends, "GL to draw with: auto, osmesa (software) or egl");
+  add_choice(app, "--context", context, kContextBackends, "draw with this GL: auto, osmesa (software) or egl");
 }
 
 void add_rendering_options(CLI::App& app, PictureOptions& options) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view each: runs several command lines in one process. Loading a GL driver takes tens of milliseconds, more
-// than drawing a picture of a small map.
+// multum-view each: runs several command lines in one process. Loading a GL driver takes tens of milliseconds, longer
+// than drawing a small map.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -31,7 +31,7 @@ CommandLines read_command_lines(const std::string& path) {
 }  // namespace
 
 void add_each_options(CLI::App& app, EachOptions& options) {
-  app.add_option("file", options.file, "JSON array of command lines, each an array of texts")->required();
+  app.add_option("file", options.file, "JSON array of command lines, each an array of words")->required();
 }
 
 int run_each(const EachOptions& options) {

@@ -17,54 +17,54 @@ namespace {
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option(
       "--source", options.normals,
-      "normal map that the file was baked from, for the reference and the baselines (default: level 0 of the "
-      "file) and, in files baked with --first-level, for the finest levels");
-  app.add_option("--albedo", options.albedo, "the source's colours");
-  CLI::Option* const roughness = app.add_option("--roughness", options.roughness,
-                                                "the source's roughness map, FILE or FILE:CHANNEL, as in the bake");
-  app.add_option("--gloss", options.gloss, "the source's gloss map, roughness = 1 - gloss, as in the bake")
+      "read the normal map of the bake from here, for the reference, the baselines and levels that the file leaves out "
+      "(default: level 0 of the file)");
+  app.add_option("--albedo", options.albedo, "read the colours of the source from this map");
+  CLI::Option* const roughness = app.add_option(
+      "--roughness", options.roughness, "read the roughness of the source from FILE or FILE:CHANNEL, as in the bake");
+  app.add_option("--gloss", options.gloss, "read the gloss of the source from this map; roughness = 1 - gloss")
       ->excludes(roughness);
-  app.add_option("--weights", options.weights, "the source's weights of basis BRDFs");
+  app.add_option("--weights", options.weights, "read the weights of basis BRDFs of the source from this map");
 }
 
 void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
   app.add_option_function<std::string>(
       "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
-      "also draw these pictures: any of reference,mip,toksvig,lean,lean-jacobian; reference also gives errors. points: "
-      "mip, shaded at as many points per pixel as the map needs evaluations; toksvig-points, lean-points, "
-      "lean-jacobian-points: likewise");
+      "also draw these pictures: a list of reference, mip, toksvig, lean, lean-jacobian, points, toksvig-points, "
+      "lean-points, lean-jacobian-points; with reference: print relative L1 errors");
   CLI::Option* const samples =
       app.add_option("--samples", options.sampling.sample_count,
-                     "samples per pixel of the reference (default: as many as --reference-noise needs)")
+                     "draw the reference with this many samples per pixel (default: as --reference-noise needs)")
           ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
   app.add_option("--reference-noise", options.sampling.noise_max,
-                 "draw the reference until its noise, in relative L1, is at most this; seconds in software, with a "
-                 "progress bar")
+                 "draw the reference until its noise is at most this (relative L1); takes seconds in software")
       ->check(number_in(1e-5f, 1.0f))
       ->capture_default_str()
       ->excludes(samples);
   add_choice(app, "--pixel-filter", options.sampling.filter, kPixelFilters,
-             "pixel filter of the reference: box (the pixel's own area), tent (2 pixels wide) or gaussian (standard "
-             "deviation 1/2 pixel)")
+             "filter the pixels of the reference with a box (1 pixel), a tent (2 pixels wide) or a gaussian (standard "
+             "deviation 1/2 pixel, cut off at 1.5)")
       ->default_str("box");
   CLI::Option* const texels =
-      add_choice(app, "--reference-texels", options.reference, kReferenceTexels,
-                 "the reference between centres of the finest texels: the nearest texel (nearest), the blended light "
-                 "of the four around (blended), or their interpolated normal (interpolated)")
+      add_choice(
+          app, "--reference-texels", options.reference, kReferenceTexels,
+          "shade the reference between centres of the finest texels with the nearest normal, with a blend of the "
+          "light of four texels, or with their interpolated normal")
           ->default_str("nearest");
   app.add_option_function<std::string>(
          "--reference-of",
          [&options](const std::string& text) {
            if (text == "texels") options.reference = gl::NormalMaterial::Sampling::kFootprint;
          },
-         "average the reference over the pixel, or over the texels that the filter reads there, so that the error "
-         "comes only from the baked texels")
+         "average the reference over the pixel, or over the texels that the filter reads there, which leaves out the "
+         "error of the filter")
       ->check(CLI::IsMember({"pixel", "texels"}))
       ->excludes(texels)
       ->default_str("pixel");
-  app.add_option("--keep-reference", options.kept_reference,
-                 "file that keeps the reference. If it exists, the reference is read instead of drawn, for other bakes "
-                 "of the same map with the same view, BRDF and lights");
+  app.add_option(
+      "--keep-reference", options.kept_reference,
+      "keep the reference in this file, and read it from there if it exists: for other bakes of the same map "
+      "with the same view, BRDF and lights");
 }
 
 }  // namespace
@@ -73,18 +73,19 @@ void add_map_options(CLI::App& app, MapOptions& options) {
   PictureOptions& picture = options.picture;
   add_comparison_options(app, options.comparison);
   add_source_options(app, options.source);
-  app.add_flag(
-      "--stored-only", options.stored_only,
-      "where a finer level is needed, draw the finest level of a file baked with --first-level; needs no --source");
+  app.add_flag("--stored-only", options.stored_only,
+               "draw the finest stored level instead of a finer level that the file leaves out, without --source");
   add_mesh_option(app, picture.surface);
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
   add_rendering_options(app, picture);
-  app.add_option("--brdf-roughness", options.brdf_roughness,
-                 "roughness map for --brdf ggx, FILE or FILE:CHANNEL, of the map's size; multiplies ROUGHNESS as in "
-                 "glTF. For lobes under lights, with --compare reference and mip");
+  app.add_option(
+      "--brdf-roughness", options.brdf_roughness,
+      "multiply the ROUGHNESS of --brdf ggx by this map of the same size, FILE or FILE:CHANNEL; only for lobes under "
+      "lights, with --compare reference or mip");
   app.add_option("--shaders", options.shaders,
-                 "write the shader variants in use as JSON: flags, text, and the uniforms that the driver kept");
+                 "write the used shader variants as JSON: flags, text without #version, and uniforms that the driver "
+                 "kept");
   add_parameter_options(app, options.source.reading,
                         {"bumpformat", "green", "signed", "unsigned", "two_channel", "z_range", "height_scale",
                          "dequantize", "normal_scale", "fixnan", "repair_max"},
@@ -95,52 +96,51 @@ void add_map_options(CLI::App& app, MapOptions& options) {
 void add_pictures_option(CLI::App& app, OutputOptions& options) {
   app.add_option("--pictures", options.pictures,
                  "also write each picture to its own file: PREFIX_multum.png, PREFIX_reference.png, "
-                 "PREFIX_multum_difference.png, ...");
+                 "PREFIX_multum_difference.png and so on");
 }
 
 void add_alone_option(CLI::App& app, OutputOptions& options) {
-  app.add_flag(
-      "--alone", options.is_alone,
-      "with --compare: write only the baked map's picture to -o; the others are drawn and measured, but not shown");
+  app.add_flag("--alone", options.is_alone,
+               "with --compare: show only the baked map in -o; draw and measure the others without showing them");
 }
 
 void add_animation_options(CLI::App& app, AnimationOptions& options) {
-  app.add_option("--frames", options.frame_count, "number of frames")
+  app.add_option("--frames", options.frame_count, "draw this many frames")
       ->check(CLI::Range(2, 9999))
       ->capture_default_str();
   app.add_option_function<std::string>(
       "--to-camera", [&](const std::string& text) { options.camera = parse_camera("--to-camera", text); },
-      "--camera of the last frame");
+      "set --camera of the last frame");
   app.add_option_function<std::vector<std::string>>(
       "--to-light",
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts) options.lights.push_back(parse_light("--to-light", text));
       },
-      "--light of the last frame, as often as --light");
+      "set --light of the last frame; as often as --light");
   app.add_option_function<std::vector<std::string>>(
       "--to-point-light",
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts)
           options.point_lights.push_back(parse_point_light("--to-point-light", text));
       },
-      "--point-light of the last frame, as often as --point-light");
+      "set --point-light of the last frame; as often as --point-light");
   app.add_option("--to-environment", options.environment,
-                 "environment that --environment fades into, of the same size; its harmonics and filtered levels "
-                 "change from frame to frame");
-  app.add_option("--to-environment-turn", options.environment_turn, "--environment-turn of the last frame")
+                 "fade --environment into this one of the same size; its harmonics and filtered levels change in every "
+                 "frame");
+  app.add_option("--to-environment-turn", options.environment_turn, "set --environment-turn of the last frame")
       ->check(number_in(-3600.0f, 3600.0f));
-  app.add_option("--to-brdf", options.brdf, "--brdf of the last frame, of the same family");
+  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame, of the same family");
   app.add_option_function<std::string>(
       "--to-diffuse", [&](const std::string& text) { options.diffuse = parse_colour("--to-diffuse", text); },
-      "--diffuse of the last frame");
+      "set --diffuse of the last frame");
   app.add_option_function<std::string>(
       "--to-specular", [&](const std::string& text) { options.specular = parse_colour("--to-specular", text); },
-      "--specular of the last frame");
+      "set --specular of the last frame");
 }
 
 namespace {
 
-/// Checks the combinations of --brdf-roughness with options that assume one roughness for the whole picture.
+/// Throws Error(kUsage) for options that need one roughness for the whole picture.
 void check_brdf_roughness(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const auto refuse = [](const std::string& found, const char* expected) {
@@ -151,7 +151,7 @@ void check_brdf_roughness(const MapOptions& options) {
     refuse(brdfs.empty() ? "no --brdf" : "--brdf " + brdfs[0], "--brdf ggx:ROUGHNESS");
   if (!picture.light.environment.empty()) refuse("--environment", "lights");
   for (const std::string& one : options.comparison.pictures)
-    if (one != "reference" && one != "mip") refuse("--compare " + one, "reference and mip, which support GGX");
+    if (one != "reference" && one != "mip") refuse("--compare " + one, "reference and mip, which know GGX");
 }
 
 }  // namespace
@@ -160,34 +160,33 @@ void check_map_options(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const SourceOptions& source = options.source;
   if (!picture.camera.distances.empty() && picture.surface.mesh.empty())
-    throw Error(ErrorCode::kUsage, "--distance: needs a mesh, found no --mesh");
+    throw Error(ErrorCode::kUsage, "--distance needs a mesh, found no --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
-    throw Error(ErrorCode::kUsage,
-                "--reference-of texels: averages the texels that --taps and --level-bias select; found --anisotropy, "
-                "the driver's own filter, expected none");
+    throw Error(
+        ErrorCode::kUsage,
+        "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, which leaves "
+        "filtering to the driver");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: needs --source; both describe the map that the file was baked from", option));
+                  fmt::format("{} needs --source, found none: both describe the map of the bake", option));
   if (!options.brdf_roughness.empty()) check_brdf_roughness(options);
   if (!options.comparison.kept_reference.empty() &&
       (!options.animation.folder.empty() || !picture.camera.distances.empty() || options.comparison.is_of_texels()))
-    throw Error(
-        ErrorCode::kUsage,
-        "--keep-reference: found several views or --reference-of texels, expected one view and --reference-of pixel");
+    throw Error(ErrorCode::kUsage,
+                "--keep-reference: found several views or --reference-of texels, expected one view and --reference-of "
+                "pixel");
   const AnimationOptions& to = options.animation;
   if (picture.light.environment.empty() &&
       (picture.light.environment_turn || to.environment_turn || !to.environment.empty()))
     throw Error(ErrorCode::kUsage,
-                "--environment-turn, --to-environment and --to-environment-turn: found no --environment, expected one");
+                "--environment-turn, --to-environment and --to-environment-turn need --environment, found none");
   const bool has_frames = !options.animation.folder.empty();
   if (has_frames != options.animation.changes_anything())
-    throw Error(
-        ErrorCode::kUsage,
-        has_frames
-            ? "animate: found no option that changes the picture, expected --to-camera, --to-light, --to-brdf, ..."
-            : "--to-camera, --to-light and similar options need multum-view animate");
+    throw Error(ErrorCode::kUsage, has_frames
+                                       ? "animate: nothing changes, expected --to-camera, --to-light, --to-brdf, ..."
+                                       : "--to-camera, --to-light and so on need multum-view animate");
   if (!has_frames) check_picture_path(picture.output.path);
 }
 

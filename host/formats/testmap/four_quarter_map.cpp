@@ -202,13 +202,17 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional
   return map;
 }
 
-void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix, std::optional<Quarter> alone) {
+void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix, std::optional<Quarter> alone,
+                            GreenAxis green) {
   FourQuarterGenerator generator(size, seed, alone);
   Png16Writer normals(prefix + "_normal.png", size, size, "Linear");
   Png16Writer albedo(prefix + "_albedo.png", size, size, "sRGB");
   for (int row = 0; row < size; row += kBandRows) {
     const int row_count = std::min(size - row, kBandRows);
-    const FourQuarterRows rows = generator.rows(row, row + row_count);
+    FourQuarterRows rows = generator.rows(row, row + row_count);
+    if (green == GreenAxis::kUp)
+      for (std::size_t i = 1; i < rows.normal_codes.size(); i += 3)
+        rows.normal_codes[i] = static_cast<std::uint16_t>(65535 - rows.normal_codes[i]);
     const auto write_normals = [&] { normals.write_rows(row_count, rows.normal_codes.data()); };
     const auto write_albedo = [&] {
       std::vector<std::uint16_t> codes(rows.colours.size());

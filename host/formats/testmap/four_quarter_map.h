@@ -30,9 +30,10 @@ inline constexpr Choices<Quarter> kQuarters = {{"armour", Quarter::kArmour},
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional<Quarter> alone = std::nullopt);
 
 /// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map. Writes
-/// atomically and by rows, so the map need not fit into memory. To read back the same normals, set green up, although
-/// the statistics say green down (four_quarter_map.cpp says why). Throws Error(kEnvironment).
+/// atomically and by rows, so the map need not fit into memory. By default its green points down (four_quarter_map.cpp
+/// says why); read it with green up to get the normals of make_four_quarter_map(). kUp flips green, as glTF expects it.
+/// Throws Error(kEnvironment).
 void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix,
-                            std::optional<Quarter> alone = std::nullopt);
+                            std::optional<Quarter> alone = std::nullopt, GreenAxis green = GreenAxis::kDown);
 
 }  // namespace multum

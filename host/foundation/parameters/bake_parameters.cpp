@@ -14,7 +14,7 @@ using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
 constexpr unsigned kJob = kOnCommandLine | kInManifest | kInService;
-constexpr double kLeastMemory = 288.0 * (1 << 20);  // the program's own 280 MiB and a window of 8 (bake_job.cpp)
+constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB of the program and a window of 8 (bake_job.cpp)
 
 void add(Rows& rows, Rows more, const char* group) {
   for (Parameter& row : more) {
@@ -27,28 +27,27 @@ Rows source_rows() {
   Rows rows = {
       {.name = "bumpformat",
        .kind = Kind::kChoice,
-       .help =
-           "kind of map; auto: detected from its statistics; packed16 and after: heights whose bytes are spread over "
-           "red, green and blue",
+       .help = "set the kind of map; auto: detect it from statistics; packed16 to mapbox: heights with bytes in"
+               " red, green and blue",
        .default_text = "auto",
        .choices = choice_names(kBumpFormats),
        .hashed_as = "bump_format",
        .surfaces = kEverywhere},
       {.name = "green",
        .kind = Kind::kChoice,
-       .help = "direction of green: up (OpenGL) or down (DirectX)",
+       .help = "set the direction of green: up (OpenGL) or down (DirectX)",
        .default_text = "detected",
        .choices = choice_names(kGreenAxes),
        .hashed_as = "green",
        .surfaces = kEverywhere},
       {.name = "signed",
-       .help = "read channel values as the vector itself, -1 to 1",
+       .help = "read channel values as vector components from -1 to 1",
        .default_text = "detected",
        .hashed_as = "signed",
        .excludes = {"unsigned"},
        .surfaces = kEverywhere},
       {.name = "unsigned",
-       .help = "read channel values as encoded, 0 to 1",
+       .help = "read channel values as encoded components from 0 to 1",
        .default_text = "detected",
        .hashed_as = "signed",
        .excludes = {"signed"},
@@ -57,7 +56,7 @@ Rows source_rows() {
       z_range_parameter(kEverywhere),
       {.name = "height_scale",
        .kind = Kind::kNumber,
-       .help = "height of a value difference of 1 in a height field; negative: dents become bumps",
+       .help = "set the height of a value difference of 1 in a height field; a negative number turns dents into bumps",
        .low = -kUnbounded,
        .high = kUnbounded,
        .zero_excluded = true,
@@ -66,13 +65,13 @@ Rows source_rows() {
        .hashed_as = "height_scale",
        .surfaces = kEverywhere},
       {.name = "dequantize",
-       .help = "of heights of 8 bits, take the smoothest that round to them: terraces become slopes, steps of two "
-               "codes and more stay",
+       .help = "replace 8-bit heights by the smoothest heights that round to them: terraces become slopes; "
+               "steps of two or more codes stay",
        .hashed_as = "dequantize",
        .surfaces = kEverywhere},
       {.name = "normal_scale",
        .kind = Kind::kNumber,
-       .help = "factor of x and y of a normal map, as glTF's normalTexture.scale",
+       .help = "multiply x and y of a normal map, like normalTexture.scale in glTF",
        .low = -kUnbounded,
        .high = kUnbounded,
        .default_text = "1",
@@ -80,19 +79,22 @@ Rows source_rows() {
        .surfaces = kEverywhere},
       {.name = "fixnan",
        .kind = Kind::kChoice,
-       .help = "repair of NaN and Inf: none (refuse the file), black (flat) or box3 (mean of the neighbours)",
+       .help = "repair NaN and infinite texels: none (refuse the file), black (flat normal) or box3 (mean of "
+               "the 3 x 3 neighbours)",
        .default_text = "box3",
        .choices = choice_names(kFixNans),
        .hashed_as = "fixnan",
        .surfaces = kEverywhere},
       {.name = "repair_max",
        .kind = Kind::kNumber,
-       .help = "refuse a file that needs more repairs than this share of its texels",
+       .help = "refuse a file if a larger share of its texels needs repair",
        .low = 0.0,
        .high = 1.0,
        .default_text = "0.01",
        .surfaces = kEverywhere},
-      {.name = "checknan", .help = "refuse a file with NaN or Inf, naming the first", .surfaces = kEverywhere}};
+      {.name = "checknan",
+       .help = "refuse a file with a NaN or infinite texel, and name the first one",
+       .surfaces = kEverywhere}};
   for (Parameter& row : wrap_parameters(true, "periodic", kEverywhere)) rows.push_back(std::move(row));
   return rows;
 }
@@ -105,23 +107,23 @@ Rows material_rows() {
            .surfaces = kEverywhere},
           {.name = "roughness",
            .kind = Kind::kFile,
-           .help = "bake the perceptual roughness, 0 to 1, of this map of the same size into the lobes: they then have "
-                   "the width of the highlight, and no BRDF is chosen to draw them",
+           .help = "bake perceptual roughness (0 to 1, same size) into the lobes: they get the width of the "
+                   "highlight, and drawing needs no BRDF",
            .unit = "FILE[:CHANNEL]",
            .hashed_as = "roughness",
            .excludes = {"gloss"},
            .surfaces = kEverywhere},
           {.name = "gloss",
            .kind = Kind::kFile,
-           .help = "bake the gloss of this map instead of --roughness: roughness = 1 - gloss",
+           .help = "bake this gloss map in place of --roughness; roughness = 1 - gloss",
            .unit = "FILE[:CHANNEL]",
            .hashed_as = "roughness",
            .excludes = {"roughness"},
            .surfaces = kEverywhere},
           {.name = "weights",
            .kind = Kind::kFile,
-           .help = "bake the weights of 1 to 4 basis BRDFs, a channel of 0 to 1 each of this map of the same size, per "
-                   "lobe or averaged",
+           .help = "bake blend weights of 1 to 4 basis BRDFs from a map of the same size, one channel (0 to 1) "
+                   "each, per lobe or averaged",
            .hashed_as = "weights",
            .surfaces = kEverywhere}};
 }
@@ -129,16 +131,15 @@ Rows material_rows() {
 Rows representation_rows() {
   return {{.name = "ndf",
            .kind = Kind::kChoice,
-           .help = "representation of the normals. vmf: lobes (Han 2007), the most accurate; moments: slopes and their "
-                   "squares (LEAN); "
-                   "gmm: planar Gaussians (Tan 2005); sh: spherical harmonics",
+           .help = "store normals as vmf (lobes, Han 2007; most accurate), moments (slopes and their squares, "
+                   "LEAN), gmm (planar Gaussians, Tan 2005) or sh (spherical harmonics)",
            .default_text = "vmf",
            .choices = choice_names(kRepresentations),
            .hashed_as = "representation",
            .surfaces = kJob},
           {.name = "sh_order",
            .kind = Kind::kInteger,
-           .help = "highest order l of the harmonics: 4 for diffuse light, 8 for broad highlights",
+           .help = "set the highest order of the harmonics: 4 for diffuse light, 8 for broad highlights",
            .low = 1,
            .high = 20,
            .default_text = "4",
@@ -149,21 +150,21 @@ Rows representation_rows() {
 }
 
 Rows storage_rows() {
-  Parameter surface = surface_parameter("; its level 0 is the normal map (--first-level 1)", kJob);
+  Parameter surface = surface_parameter("; level 0 is then the normal map (--first-level 1)", kJob);
   surface.hashed_as = "surface";
   Rows rows = {
       std::move(surface),
       {.name = "first_level",
        .kind = Kind::kInteger,
-       .help = "finest level to store; renderers take finer ones from the normal map",
+       .help = "store this level and coarser ones; renderers take finer levels from the normal map",
        .low = 0,
-       .high = 15,  // the coarsest of a map of 32768 texels a side
+       .high = 15,  // the coarsest level of a map with 32768 texels per side
        .default_text = "0",
        .hashed_as = "first_level",
        .surfaces = kJob},
       {.name = "data_format",
        .kind = Kind::kChoice,
-       .help = "storage precision; half does not keep kappa above 1000 of lobes, and is the default of moments and sh",
+       .help = "set the storage precision; half loses kappa above 1000 of lobes and is the default for moments and sh",
        .default_text = "snorm16",
        .choices = choice_names(kStorageEncodings),
        .hashed_as = "encoding",
@@ -178,7 +179,7 @@ Rows fit_rows() {
   Rows rows = {
       {.name = "lobes",
        .kind = Kind::kInteger,
-       .help = "lobes per texel; more are larger, slower and usually more accurate",
+       .help = "fit this many lobes per texel; more lobes take more space and time and are usually more accurate",
        .low = 1,
        .high = 8,
        .default_text = "4",
@@ -186,14 +187,14 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "reference",
-       .help = "fit every normal at every level, 30 iterations, none cut short: slower; the defaults are measured "
-               "against it",
+       .help = "fit every normal at every level with 30 iterations and no early stop: slower; the defaults are "
+               "measured against this",
        .hashed_as = "settled_change",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "iterations",
        .kind = Kind::kInteger,
-       .help = "most EM iterations per texel",
+       .help = "run at most this many EM iterations per texel",
        .low = 1,
        .high = 1000,
        .default_text = "12",
@@ -202,7 +203,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "passes",
        .kind = Kind::kInteger,
-       .help = "passes over a level; more than one aligns its lobes better",
+       .help = "pass over each level this often; more than one pass aligns its lobes better",
        .low = 1,
        .high = 8,
        .default_text = "2",
@@ -211,7 +212,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "refit_iterations",
        .kind = Kind::kInteger,
-       .help = "most EM iterations per texel in each further pass",
+       .help = "run at most this many EM iterations per texel in each later pass",
        .low = 1,
        .high = 1000,
        .default_text = "6",
@@ -219,44 +220,43 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "refine",
-       .help =
-           "after EM, refine the lobes of each texel towards the highlights that they give: nearer, slower; for vmf "
-           "and binned normals",
+       .help = "refine the lobes of each texel after EM so that their highlights match better: more accurate, "
+               "slower; only vmf with binned normals",
        .hashed_as = "refined",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "order",
        .kind = Kind::kChoice,
-       .help = "order of fitting texels: colour (in parallel) or scanline (the paper's)",
+       .help = "fit texels in four colours in parallel (colour), or row by row as in the paper (scanline)",
        .default_text = "colour",
        .choices = choice_names(kFitOrders),
        .hashed_as = "order",
        .surfaces = kJob},
       {.name = "coarse_normals",
        .kind = Kind::kChoice,
-       .help = "normals that coarse texels are fitted to: binned (one per bin of similar normals; faster) or all",
+       .help = "fit coarse texels to one normal per bin of similar normals (binned, faster) or to all normals (all)",
        .default_text = "binned",
        .choices = choice_names(kCoarseNormals),
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",
-       .help = "skip the start search: take the candidate of least error without trying them all; saves half a second",
+       .help = "take the start candidate of lowest error without trying all of them; saves half a second",
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "farthest_start",
-       .help = "start from normals that lie farthest apart (Hochbaum and Shmoys), as Han et al. 2007 do, for "
-               "comparison: mostly a worse fit",
+       .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; "
+               "for comparison, mostly a worse fit",
        .hashed_as = "farthest_start",
        .surfaces = kJob},
       {.name = "unaligned",
-       .help = "fit every texel by itself, for comparison: filtering then mixes unlike lobes",
+       .help = "fit every texel independently, for comparison; texture filters then mix lobes that do not match",
        .hashed_as = "aligned_start",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "align",
        .kind = Kind::kNumber,
-       .help = "weight of the alignment prior; 0: none",
+       .help = "set the weight of the prior that aligns lobes with those of parent and neighbours; 0: no prior",
        .low = 0,
        .high = 10,
        .default_text = "0.1",
@@ -264,16 +264,16 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "kappa_cap",
        .kind = Kind::kNumber,
-       .help = "kappa of the sharpest lobe that EM uses on rough texels; smooth ones get sharper lobes",
+       .help = "limit kappa of lobes during EM on rough texels; smooth texels get sharper lobes",
        .low = 1,
        .high = 1e5,
        .default_text = "500",
        .hashed_as = "kappa_cap",
        .surfaces = kJob},
-      // Hashed and checked, but nowhere given.
+      // Hashed and checked; nobody can set them.
       {.name = "iterations_coarse",
        .kind = Kind::kInteger,
-       .help = "most EM iterations of texels of more than 1024 normals; --iterations sets it, too",
+       .help = "most EM iterations of texels that cover more than 1024 normals; --iterations sets it too",
        .low = 1,
        .high = 1000,
        .default_text = "30",
@@ -294,21 +294,21 @@ Rows fit_rows() {
        .hashed_as = "settled_change"},
       {.name = "kappa_cap_slope",
        .kind = Kind::kNumber,
-       .help = "growth of kappa_cap per kappa of all the texel's normals",
+       .help = "growth of kappa_cap per kappa of all normals of the texel",
        .low = 0,
        .high = 1000,
        .default_text = "10",
        .hashed_as = "kappa_cap_slope"},
       {.name = "start_kappa_factor",
        .kind = Kind::kNumber,
-       .help = "kappa of a start as a share of the parent's",
+       .help = "kappa of a start as a share of the kappa of the parent",
        .low = 0.01,
        .high = 1,
        .default_text = "0.5",
        .hashed_as = "start_kappa_factor"},
       {.name = "start_amplitude_min",
        .kind = Kind::kNumber,
-       .help = "smallest amplitude of a start's lobe",
+       .help = "smallest amplitude of a lobe of a start",
        .low = 0,
        .high = 0.125,
        .default_text = "0.02",
@@ -320,15 +320,15 @@ Rows fit_rows() {
 Rows target_rows() {
   return {{.name = "target_error",
            .kind = Kind::kNumber,
-           .help = "choose the cheapest settings whose error is at most this: relative L1 of pixels "
-                   "against their reference, 0.1 for 10 %; where none reach it, write nothing and exit with code 5",
+           .help = "choose the cheapest settings within this relative L1 error of pixels (0.1: 10 %); if none "
+                   "reach it, write nothing and exit with code 5",
            .high = 2,
            .low_excluded = true,
            .excludes = {"budget_ms"},
            .surfaces = kJob},
           {.name = "budget_ms",
            .kind = Kind::kNumber,
-           .help = "choose the most accurate settings that bake in this time: reading, fitting and writing",
+           .help = "choose the most accurate settings that read, fit and write within this time",
            .high = kUnbounded,
            .low_excluded = true,
            .unit = "ms",
@@ -336,15 +336,17 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "brdf",
            .kind = Kind::kBrdf,
-           .help = "BRDF of a target's error: " + brdf_forms("") + " or, except in jobs, the file of a measured BRDF",
+           .help = "measure the error of a target with this BRDF: " + brdf_forms("") +
+                   " or, except in jobs, the file of a measured BRDF",
            .default_text = "blinn-phong:100",
            .surfaces = kJob},
           {.name = "best_effort",
-           .help = "write the best settings where none reach the target; the exit code stays 5",
+           .help = "write the best settings found even if they miss the target; the exit code stays 5",
            .surfaces = kJob},
           {.name = "error_max",
            .kind = Kind::kNumber,
-           .help = "largest measured error that passes: relative L1, 0.1 for 10 %, of the worst level and BRDF",
+           .help = "fail if the largest measured error is above this: relative L1 (0.1: 10 %) of the worst "
+                   "level and BRDF",
            .high = kUnbounded,
            .low_excluded = true,
            .surfaces = kInManifest}};
@@ -352,8 +354,8 @@ Rows target_rows() {
 
 Rows run_rows() {
   return {
-      memory_parameter("resident memory to stay within: larger maps are baked in bands of rows, with the same result",
-                       kLeastMemory, "as much as makes it faster, at most a quarter of the machine's",
+      memory_parameter("stay within this resident memory; larger maps are baked in bands of rows, with the same result",
+                       kLeastMemory, "as much as helps, at most a quarter of the memory of the machine",
                        kOnCommandLine | kInService),
       device_parameter(kOnCommandLine | kInService),
       {.name = "no_measure", .help = "skip measuring the error of the output", .surfaces = kOnCommandLine | kInService},
@@ -363,27 +365,26 @@ Rows run_rows() {
        .unit = "FILE",
        .surfaces = kOnCommandLine},
       {.name = "scalar",
-       .help = "work as on a GPU, with scalar kernels, teams of work-items and copies: same bytes, slower on CPUs",
+       .help = "run the kernels as on a GPU: scalar, with teams of work-items and copies; same bytes, slower on CPUs",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
-       .help = "folder for data that does not fit in memory",
+       .help = "store data that does not fit in memory in this folder",
        .unit = "FOLDER",
-       .default_text = "the output's",
+       .default_text = "the folder of the output",
        .surfaces = kOnCommandLine},
       {.name = "resume", .help = "resume an interrupted bake of the same output", .surfaces = kOnCommandLine},
       {.name = "region",
        .kind = Kind::kText,
-       .help =
-           "fit only this edited part of the map again, and keep the rest of --onto; auto: find the part that changed",
+       .help = "fit only this edited part again and keep the rest of --onto; auto: find the part that changed",
        .unit = "X,Y,W,H|auto",
        .surfaces = kOnCommandLine},
       {.name = "onto",
        .kind = Kind::kFile,
-       .help = "file that was baked before the edit; may be the output",
+       .help = "start from this file, which was baked before the edit; it may be the output",
        .surfaces = kOnCommandLine},
       {.name = "force",
-       .help = "bake even if the output comes from the same file with the same settings",
+       .help = "bake even if the output was baked from the same file with the same settings",
        .surfaces = kOnCommandLine},
       {.name = "runstats", .help = "print times, launches and numerical events", .surfaces = kOnCommandLine}};
 }
@@ -392,10 +393,11 @@ Rows run_rows() {
 
 const ParameterTable& bake_parameters() {
   static const ParameterTable table = [] {
-    Rows rows = {input_parameter("input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, sides to 32768",
-                                 kInManifest | kInService)};
+    Rows rows = {input_parameter(
+        "input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side",
+        kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
-    // In this order, since texts of options have it: what it is, how it is fitted, how it is stored.
+    // The order of help texts: representation, fit, storage.
     add(rows, representation_rows(), kStorageGroup);
     add(rows, fit_rows(), kFitGroup);
     add(rows, storage_rows(), kStorageGroup);
@@ -409,9 +411,9 @@ const ParameterTable& bake_parameters() {
 
 const ParameterTable& scene_parameters() {
   static const ParameterTable table(
-      "scene", {input_parameter("scene", "scene.toml: maps, materials, objects, lights, camera", kInService),
-                memory_parameter("resident memory to stay within", kLeastMemory,
-                                 "as much as makes it faster, at most a quarter of the machine's", kInService),
+      "scene", {input_parameter("scene", "scene.toml with maps, materials, objects, lights and camera", kInService),
+                memory_parameter("stay within this resident memory", kLeastMemory,
+                                 "as much as helps, at most a quarter of the memory of the machine", kInService),
                 device_parameter(kInService)});
   return table;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the parameters of `multum bake`, of manifests, of the maps of scenes and of jobs of type bake.
+// Lists the parameters of `multum bake`, manifests, maps of scenes and jobs of type bake.
 #pragma once
 
 #include "host/foundation/parameters/parameter.h"
 
 namespace multum {
 
-/// Groups of bake_parameters(), as help texts head them.
+/// Headings of the groups of bake_parameters() in help texts.
 inline constexpr const char kSourceGroup[] = "Reading the map";
 inline constexpr const char kMaterialGroup[] = "Material maps";
 inline constexpr const char kStorageGroup[] = "Storage";
@@ -16,7 +16,7 @@ inline constexpr const char kRunGroup[] = "Running the bake";
 
 const ParameterTable& bake_parameters();
 
-/// Jobs of type scene: the maps' own parameters are in scene.toml, which has those of bake_parameters() that are
+/// The parameters of jobs of type scene. Parameters of the maps are in scene.toml: the rows of bake_parameters() with
 /// kInScene.
 const ParameterTable& scene_parameters();
 

@@ -26,52 +26,50 @@ Parameter channel_parameter(const char* name, const char* help) {
 }
 
 Rows export_rows() {
-  Parameter roughness =
-      channel_parameter("roughness",
-                        "perceptual roughness of the surface itself, 0 to 1, of this map of the same size; of several "
-                        "channels green");
-  Parameter gloss = channel_parameter("gloss", "the same by a gloss map: roughness = 1 - gloss");
+  Parameter roughness = channel_parameter(
+      "roughness",
+      "read the perceptual roughness of the surface (0 to 1) from this map of the same size: its only "
+      "channel, or green");
+  Parameter gloss =
+      channel_parameter("gloss", "read the gloss of the surface from this map of the same size; roughness = 1 - gloss");
   roughness.excludes = {"gloss", "base_roughness"};
   gloss.excludes = {"roughness", "base_roughness"};
   Parameter occlusion =
-      channel_parameter("occlusion", "average this map of the same size along; of several channels red");
+      channel_parameter("occlusion", "also average this occlusion map of the same size: its only channel, or red");
   Parameter metalness =
-      channel_parameter("metalness", "average this map of the same size along; of several channels blue");
+      channel_parameter("metalness", "also average this metalness map of the same size: its only channel, or blue");
   occlusion.excludes = metalness.excludes = {"roughness_alone"};
   Parameter roughness_alone = {.name = "roughness_alone",
                                .help =
-                                   "write roughness as a texture of its own, of one channel in KTX2 and DDS, instead "
-                                   "of orm, which has occlusion, roughness and metalness",
+                                   "write roughness as its own texture instead of orm (occlusion, "
+                                   "roughness, metalness); one channel in KTX2 and DDS",
                                .group = kStorageGroup,
                                .excludes = {"occlusion", "metalness"},
                                .surfaces = kExportJob};
   Parameter smoothness = {.name = "smoothness",
                           .help =
-                              "write smoothness = 1 - roughness, which Unity reads: a texture mask instead of orm, "
-                              "with metalness in red, occlusion in green, 1 in blue and smoothness in alpha; or, with "
-                              "roughness_alone, a texture smoothness",
+                              "write smoothness = 1 - roughness for Unity: a texture mask instead of orm, "
+                              "or with --roughness-alone a texture smoothness",
                           .group = kStorageGroup,
                           .surfaces = kExportJob};
   Parameter write_green = {.name = "write_green",
                            .kind = Kind::kChoice,
                            .help =
-                               "green axis of the normals that are written, and of directions of anisotropy: up, as "
-                               "OpenGL, glTF, Unity, Godot and Blender have it, or down, as DirectX and Unreal; green "
-                               "says how the map is read",
+                               "write normals and directions of anisotropy with green up (OpenGL, glTF, "
+                               "Unity, Godot, Blender) or down (DirectX, Unreal); --green is about reading",
                            .default_text = "up",
                            .choices = choice_names(kGreenAxes),
                            .group = kStorageGroup,
                            .surfaces = kExportJob};
   return {
       {.name = "lobes",
-       .help =
-           "write the lobes of a baked file, NAME.ndf.exr, as a texture for GPUs, NAME.ktx2, in place of a material "
-           "of one lobe; of the options below --texels, --zstd, --device and --report alone go with it",
+       .help = "write the lobes of a baked file as a texture for GPUs, NAME.ktx2; only --texels, --zstd, "
+               "--device, --force and --report may be added",
        .group = kStorageGroup,
        .surfaces = kOnCommandLine},
       {.name = "base_roughness",
        .kind = Kind::kNumber,
-       .help = "perceptual roughness of the surface itself, the same everywhere",
+       .help = "set one perceptual roughness for the whole surface",
        .low = 0.0,
        .high = 1.0,
        .default_text = "0.5",
@@ -84,32 +82,29 @@ Rows export_rows() {
       std::move(metalness),
       lobe_anisotropy_parameter(kExportJob),
       fast_lobe_parameter(kExportJob),
-      surface_parameter("; of levels from 1 on", kExportJob),
-      form_parameter("a plane and a sphere, by level the nearest", "one-lobe", kExportJob),
+      surface_parameter("; for levels from 1 on", kExportJob),
+      form_parameter("for each level the more accurate in pictures of a plane and a sphere", "one-lobe", kExportJob),
       engine_parameter(kExportJob),
       {.name = "format",
        .kind = Kind::kChoice,
-       .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "
-               "dds (with a DX10 header), a file a texture with all levels",
-       .default_text = "by the output's name, else png",
+       .help = "choose the files: png (8 bits, a file per level), exr (half floats, a file per level), ktx2 or "
+               "dds (a file per texture with all levels)",
+       .default_text = "from the name of the output, else png",
        .choices = choice_names(kMaterialFormats),
        .group = kStorageGroup,
        .surfaces = kExportJob},
       {.name = "texels",
        .kind = Kind::kChoice,
-       .help = "how KTX2 and DDS store texels: rgba8; rgba16f, half floats; rg8, as rgba8 but of normals x and y "
-               "alone, whose z the shader has to rebuild as sqrt(1 - x^2 - y^2); bc, block-compressed: normals as BC5, "
-               "likewise x and y alone, all else as BC7, roughness alone as BC4; lobes as two layers of BC5; uastc, of "
-               "KTX2 "
-               "only, Basis Universal's format that KHR_texture_basisu has, encoded by Node.js with ktx2-encoder",
-       .default_text = "rgba16f of exr, bc of lobes, else rgba8",
+       .help = "store texels of KTX2 and DDS as rgba8, rgba16f (half floats), rg8, bc (compressed blocks) or "
+               "uastc (Basis Universal, only KTX2)",
+       .default_text = "rgba16f for exr, bc for lobes, else rgba8",
        .choices = choice_names(kMaterialTexels),
        .group = kStorageGroup,
        .surfaces = kExportJob},
       {.name = "zstd",
        .kind = Kind::kInteger,
-       .help = "supercompress the levels of KTX2 files by Zstandard of this level, without loss; by default "
-               "they are not",
+       .help = "compress the levels of KTX2 files without loss by Zstandard at this level; by default they are "
+               "not compressed",
        .low = 1,
        .high = 19,
        .group = kStorageGroup,
@@ -123,26 +118,26 @@ Rows export_rows() {
 
 Rows export_run_rows() {
   Rows rows = {
-      memory_parameter("memory for buffers and maps; larger maps go by way of a scratch file", 1.0, "256M",
+      memory_parameter("use this much memory for buffers and maps; larger maps use a scratch file", 1.0, "256M",
                        kOnCommandLine | kInService),
       device_parameter(kOnCommandLine | kInService),
       {.name = "no_measure",
-       .help = "skip measuring the error",
+       .help = "skip measuring the error of the output",
        .excludes = {"optimum", "beside"},
        .surfaces = kOnCommandLine},
       {.name = "optimum",
-       .help = "search the least error that any one lobe has, too: seconds a map",
+       .help = "also search for the lowest error of any single lobe; takes seconds per map",
        .excludes = {"no_measure"},
        .surfaces = kOnCommandLine},
       {.name = "beside",
        .kind = Kind::kFile,
-       .help = "measure the lobes of this baked file of the same map, too; those of a baked input are anyway",
+       .help = "also measure the lobes of this baked file of the same map; those of a baked input are always measured",
        .unit = "NAME.ndf.exr",
        .excludes = {"no_measure"},
        .surfaces = kOnCommandLine | kInManifest},
       {.name = "cells",
        .kind = Kind::kInteger,
-       .help = "texels of each of levels 2, 4 and 6 whose error is measured",
+       .help = "measure the error at this many texels of level 2, of level 4 and of level 6",
        .low = 1,
        .high = 4096,
        .default_text = "16",
@@ -154,19 +149,19 @@ Rows export_run_rows() {
        .surfaces = kOnCommandLine},
       {.name = "page",
        .kind = Kind::kText,
-       .help = "write a page with tables, pictures from three distances and moving pictures, beside engines' rules and "
-               "baked lobes (made for it unless --beside names some); video by ffmpeg, where it is there",
+       .help = "write a page with tables, pictures from three distances and videos (by ffmpeg, if installed) "
+               "next to rules of engines and baked lobes",
        .unit = "FILE.html",
        .surfaces = kOnCommandLine},
       {.name = "force",
-       .help = "export maps of a manifest again that are unchanged; other exports are always written again",
+       .help = "export unchanged maps of a manifest again; without a manifest, files are always written again",
        .surfaces = kOnCommandLine},
       {.name = "resume",
-       .help = "keep what is fitted while it runs, and go on from what a stopped export of the same left",
+       .help = "keep fitted rows during the run, and continue a stopped export of the same map with the same settings",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
-       .help = "folder for data that does not fit in memory",
+       .help = "store data that does not fit in memory in this folder",
        .unit = "FOLDER",
        .default_text = "the output",
        .surfaces = kOnCommandLine}};
@@ -180,7 +175,7 @@ const ParameterTable& export_parameters() {
   static const ParameterTable table = [] {
     Rows rows = export_rows();
     rows.push_back(input_parameter("input", bake_parameters().at("input").help, kInManifest | kInService));
-    // A map is read as a bake reads it.
+    // An export reads maps like a bake.
     for (Parameter row : bake_parameters().rows()) {
       if (row.group != kSourceGroup) continue;
       row.surfaces = kExportJob;

@@ -19,35 +19,33 @@ std::vector<Parameter> gltf_rows() {
   anisotropy.excludes = {"lobes"};
   return {{.name = "format",
            .kind = Kind::kChoice,
-           .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
-                   "rgba8, KTX2 of 8 bits a channel, outside of that extension; png, level 0 alone; auto, uastc for "
-                   "each texture where that adds less than 0.3 % to the light's error, else rgba8 and a fallback",
+           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2 outside of that extension) or"
+                   " png (only level 0); auto chooses for each texture",
            .default_text = "auto",
            .choices = choice_names(kGltfTextureFormats),
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
           {.name = "png_fallback",
-           .help = "store level 0 of each new texture as a plain image too, for loaders without KHR_texture_basisu, "
-                   "which is not required then",
+           .help = "also store level 0 of each new texture as a plain image for loaders without "
+                   "KHR_texture_basisu, which is then not required",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          form_parameter("the model, the cheapest form that is within 0.2 points of the least error, which may be the "
-                         "textures that there are",
+          form_parameter("the cheapest form, or the old textures, within 0.2 points of the lowest error in pictures",
                          "auto", kOnCommandLine),
           engine_parameter(kOnCommandLine),
           uastc_effort_parameter(kOnCommandLine),
           encoder_parameter(kOnCommandLine),
           {.name = "lobes",
-           .help = "put lobes of normals, where they are nearer, into the extension MULTUM_lobes, which @multum/three "
-                   "draws; other viewers draw the textures. With another form than auto: into all materials",
+           .help = "add lobes where they are more accurate, in the extension MULTUM_lobes for @multum/three; "
+                   "other viewers draw the textures",
            .group = kStorageGroup,
            .excludes = {"anisotropy"},
            .surfaces = kOnCommandLine},
           {.name = "lobe_texels",
            .kind = Kind::kChoice,
-           .help = "texels of lobes: bc, blocks of BC5, a quarter of the bytes of halfs; rgba8, half of them; rgba16f, "
-                   "half floats; only with --lobes",
-           .default_text = "rgba8 with --format rgba8, else bc where it adds less than 0.3 points",
+           .help = "store lobes as bc (blocks of BC5), rgba8 (twice the bytes of bc) or rgba16f (four times the"
+                   " bytes of bc); only with --lobes",
+           .default_text = "rgba8 with --format rgba8, else bc if it adds less than 0.3 points of error",
            .choices = choice_names(kLobeTexels),
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
@@ -55,13 +53,13 @@ std::vector<Parameter> gltf_rows() {
           std::move(z_range),
           std::move(anisotropy),
           fast_lobe_parameter(kOnCommandLine),
-          surface_parameter("; of levels from 1 on", kOnCommandLine)};
+          surface_parameter("; for levels from 1 on", kOnCommandLine)};
 }
 
 std::vector<Parameter> gltf_run_rows() {
   std::vector<Parameter> rows = {
-      memory_parameter("memory for buffers and maps; larger maps go by way of a scratch file beside the output", 1.0,
-                       "256M", kOnCommandLine),
+      memory_parameter("use this much memory for buffers and maps; larger maps use a scratch file", 1.0, "256M",
+                       kOnCommandLine),
       device_parameter(kOnCommandLine),
       {.name = "report",
        .kind = Kind::kText,

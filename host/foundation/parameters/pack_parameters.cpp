@@ -10,32 +10,32 @@ namespace {
 constexpr unsigned kPackJob = kOnCommandLine | kInService;
 constexpr double kLeastPackMemory = 256.0 * 1024 * 1024;
 
-/// Of these at most one is given.
+/// At most one of these may be given.
 std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "bytes of raw 24-bit frames over the file's, at least; 384 without a target, or less where that would "
+       .help = "make raw 24-bit frames at least this many times smaller; default: 384, or less if that would "
                "add more than 3 times the error of the inferred textures",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},
       {.name = "bytes",
        .kind = ParameterKind::kBytes,
-       .help = "bytes of the file, at most",
+       .help = "write at most this many bytes",
        .low = 1,
        .high = 1e15,
        .unit = "bytes",
        .surfaces = kPackJob},
       {.name = "mse_max",
        .kind = ParameterKind::kNumber,
-       .help = "mean squared error that coding may add to drawn frames, as estimated, in 8-bit units at gamma 2.2",
+       .help = "add at most this mean squared error to drawn frames, as estimated, in 8-bit units at gamma 2.2",
        .low = 1e-3,
        .high = 65025,
        .surfaces = kPackJob},
       {.name = "lambda",
        .kind = ParameterKind::kNumber,
-       .help = "squared error that a bit is worth",
+       .help = "weigh one bit against this much squared error",
        .low = 1e-4,
        .high = 1e9,
        .surfaces = kPackJob}};
@@ -49,58 +49,58 @@ std::vector<Parameter> target_parameters() {
 
 const ParameterTable& pack_parameters() {
   static const ParameterTable table = [] {
-    std::vector<Parameter> rows = {
-        input_parameter("manifest", "inferred.json, as `multum infer` writes it", kInService)};
+    std::vector<Parameter> rows = {input_parameter("manifest", "inferred.json of `multum infer`", kInService)};
     for (Parameter& row : target_parameters()) rows.push_back(std::move(row));
     rows.push_back({.name = "block",
                     .kind = ParameterKind::kInteger,
-                    .help = "samples of a chunk along a parameter, at most",
+                    .help = "put at most this many samples along a parameter into a chunk",
                     .low = 1,
                     .high = 64,
                     .default_text = "8",
                     .surfaces = kPackJob});
     rows.push_back({.name = "stagger",
                     .kind = ParameterKind::kChoice,
-                    .help = "begin the chunks of different objects at different samples, where there are more than "
-                            "`block` along a parameter: a path meets fewer new chunks at once",
+                    .help = "begin chunks of different objects at different samples, so that a path needs fewer"
+                            " new chunks at once; needs more samples than --block",
                     .default_text = "no",
                     .choices = {"no", "yes"},
                     .surfaces = kPackJob});
     rows.push_back({.name = "alpha",
                     .kind = ParameterKind::kNumber,
-                    .help = "an object's mean error over that of all objects' pixels, at most; above 1, or 0: any",
+                    .help = "limit the mean error of an object to this many times the mean error over all "
+                            "objects: a number above 1, or 0 for no limit",
                     .low = 0,
                     .high = 1e6,
                     .default_text = "0",
                     .surfaces = kPackJob});
     rows.push_back({.name = "pyramid",
                     .kind = ParameterKind::kChoice,
-                    .help =
-                        "images of a chunk: the best of a few pyramids over the parameters and of learnt bases, the "
-                        "paper's greedy search, 1, 2, 4 ... samples along all parameters, or every sample by itself",
+                    .help = "code chunks by the best of several pyramids and learnt bases (adaptive), the "
+                            "greedy search of the paper, levels of 1, 2, 4 ... samples (plain), or single "
+                            "samples (none)",
                     .default_text = "adaptive",
                     .choices = choice_names(kPyramidChoices),
                     .surfaces = kPackJob});
     rows.push_back({.name = "coder",
                     .kind = ParameterKind::kChoice,
-                    .help = "coder of images: block cosines, embedded wavelets, or of each chunk the better one",
+                    .help = "code images by block cosines (dct), embedded wavelets (wavelet), or the better one"
+                            " per chunk (auto)",
                     .default_text = "auto",
                     .choices = {"auto", "dct", "wavelet"},
                     .surfaces = kPackJob});
     rows.push_back({.name = "loop",
                     .kind = ParameterKind::kChoice,
-                    .help = "finer images correct what coding has done to coarser ones (closed), or not, as in the "
-                            "paper (open)",
+                    .help = "let finer images correct the coding errors of coarser ones (closed), or not, as in"
+                            " the paper (open)",
                     .default_text = "closed",
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
+    rows.push_back(memory_parameter(
+        "stay within this resident memory; with less memory, fewer chunks are coded at once and textures "
+        "are read again; the result is the same",
+        kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
-        memory_parameter("resident memory to stay within: fewer chunks are coded at once, and textures read "
-                         "again, with the same result",
-                         kLeastPackMemory, "a quarter of the machine's", kPackJob));
-    rows.push_back({.name = "resume",
-                    .help = "take up what a packing to the same output has coded before it was stopped",
-                    .surfaces = kOnCommandLine});
+        {.name = "resume", .help = "continue a stopped packing to the same output", .surfaces = kOnCommandLine});
     rows.push_back(absolute_geometry_parameter());
     return ParameterTable("pack", std::move(rows));
   }();

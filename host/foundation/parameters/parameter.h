@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes one parameter of a command. A row of a table (bake_parameters.h and its neighbours) is all that command
-// lines, manifests, scene files, the service, the settings hash and docs/reference/parameters.md know of it.
+// Describes one parameter of a command. Command lines, manifests, scene files, the service, the settings hash and
+// docs/reference/commands.md all take it from its row in a table (bake_parameters.h and its neighbours).
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@
 namespace multum {
 
 enum class ParameterKind {
-  kFlag,     // true or false; on a command line given or not
+  kFlag,     // true or false; on a command line a flag without a value
   kInteger,  // in [low, high]
   kNumber,   // in [low, high], finite
   kChoice,   // one of `choices`
-  kText,     // any text; the service takes no control characters
-  kBrdf,     // "blinn-phong:100"; the file of a measured one, too, except in the service
-  kFile,     // path of a file to read, FILE:CHANNEL where `unit` says so
-  kBytes,    // in [low, high]; on a command line with a unit, 800M
+  kText,     // any text; the service refuses control characters
+  kBrdf,     // "blinn-phong:100", or except in the service the file of a measured BRDF
+  kFile,     // path of a file to read, or FILE:CHANNEL if `unit` says so
+  kBytes,    // in [low, high]; on a command line optionally with a unit, 800M
 };
 
-/// Bits: where a parameter may be given.
+/// Bits: the places where a parameter may be given.
 enum ParameterSurface : unsigned {
   kOnCommandLine = 1,
   kInManifest = 2,  // [defaults] and [[map]] of docs/reference/manifests.md
@@ -33,78 +33,79 @@ enum ParameterSurface : unsigned {
 };
 constexpr unsigned kEverywhere = kOnCommandLine | kInManifest | kInScene | kInService;
 
-/// What a bake must store for the parameter to mean anything.
+/// What a bake must store for the parameter to have an effect.
 enum class ParameterScope { kAll, kLobes, kHarmonics };
 
-/// Bound of numbers that have none: all that a float holds.
+/// Bound of numbers without a bound: the largest float.
 constexpr double kUnbounded = std::numeric_limits<float>::max();
 
 struct Parameter {
   std::string name;  // snake case: the key of files and JSON; "--first-level" on a command line
   ParameterKind kind = ParameterKind::kFlag;
-  std::string help;  // what it does, in words that need neither its range nor its default
+  std::string help;  // its effect, verb first, without range and default
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
-  // "texels", "ms"; of texts, files and long choices their form, "FILE[:CHANNEL]"; empty: none.
+  // "texels", "ms"; for texts, files and long choices their form, "FILE[:CHANNEL]"; empty: none.
   std::string unit = {};
-  std::string default_text = {};          // as a command line has it; empty: none
-  std::vector<std::string> choices = {};  // in the order in which they are shown
-  std::string group = {};                 // heading of help texts
+  std::string default_text = {};          // in the form of command lines; empty: none
+  std::vector<std::string> choices = {};  // in the order of help texts
+  std::string group = {};                 // heading in help texts
   std::string hashed_as = {};     // key of multum:settings (docs/reference/file_format.md); empty: changes no content
   std::string short_option = {};  // "-d"
-  std::vector<std::string> excludes = {};  // names of others that cannot be given beside it
+  std::vector<std::string> excludes = {};  // names of parameters that cannot be given together with this one
   ParameterScope scope = ParameterScope::kAll;
   bool chosen_by_target = false;  // target_error and budget_ms choose it
-  bool is_repeatable = false;     // on a command line; the values are joined by ";"
+  bool is_repeatable = false;     // on a command line; ";" joins the values
   unsigned surfaces = 0;
 
   bool is_on(unsigned surface) const { return (surfaces & surface) != 0; }
   bool is_numeric() const {
     return kind == ParameterKind::kInteger || kind == ParameterKind::kNumber || kind == ParameterKind::kBytes;
   }
-  /// Are numbers bounded there?
+  /// Whether numbers have a lower and an upper bound.
   bool has_low() const { return low > -kUnbounded; }
   bool has_high() const { return high < kUnbounded; }
   /// "--first-level".
   std::string option() const;
 };
 
-/// The option of a parameter's name: "--first-level" of "first_level".
+/// The option of a parameter's name: "--first-level" for "first_level".
 std::string option_of(const std::string& name);
 
-/// kFlag: bool; kInteger and kBytes: int64; kNumber: double; all others: text.
+/// bool for kFlag, int64 for kInteger and kBytes, double for kNumber, text for all other kinds.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
 
-/// What is legal, in words: "an integer from 1 to 8", "one of colour, scanline".
+/// The legal values as a text: "an integer from 1 to 8", "one of colour, scanline".
 std::string expected_text(const Parameter& parameter);
 
-/// The value in words: 9, true, "waves".
+/// The value as a text: 9, true, "waves".
 std::string value_text(const ParameterValue& value);
-/// The same of a parameter's value: sizes in MiB where they are whole ones.
+/// The value as a text; whole MiB of a size as "288 MiB".
 std::string value_text(const Parameter& parameter, const ParameterValue& value);
 
-/// Is the value of the parameter's type, and legal?
+/// Whether the value has the type of the parameter and is legal.
 bool is_legal(const Parameter& parameter, const ParameterValue& value);
 
-/// Bytes of "800M", "2G", "38K" (1024-based), or a number alone; nothing where it is no size.
+/// The bytes of "800M", "2G", "38K" (1024-based) or a plain number; nullopt for any other text.
 std::optional<std::int64_t> parse_size_text(const std::string& text);
 
-/// Reads the text of a command line; a kBytes may have a unit, 800M or 2G (1024-based). Returns nothing where the text
-/// is not of the parameter's type; whether the value is legal is_legal() tells.
+/// Parses the text of a command line; kBytes accepts a unit, 800M or 2G (1024-based). Returns nullopt for a text that
+/// is
+/// not of the parameter's type. is_legal() checks the value.
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text);
 
 /// The parameters of one command.
 class ParameterTable {
  public:
   ParameterTable(std::string command, std::vector<Parameter> rows);
-  /// "bake": its name on command lines and as a job's type.
+  /// The name on command lines and as a type of jobs, "bake".
   const std::string& command() const { return command_; }
   const std::vector<Parameter>& rows() const { return rows_; }
-  /// The row of this name; null: there is none.
+  /// The row with this name, or null.
   const Parameter* find(const std::string& name) const;
-  /// The same; the row must be there.
+  /// The row with this name, which must exist.
   const Parameter& at(const std::string& name) const;
-  /// Names of those that may be given there, in the table's order.
+  /// Names of the parameters that may be given there, in the order of the table.
   std::vector<std::string> names(unsigned surface) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds what a command line, a file or a job says of the parameters of one command.
+// Holds the values of the parameters of one command, from a command line, a file or a job.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Values of a table's parameters, each legal; those that nobody gave are unset.
+/// Legal values of the parameters of a table; parameters without a given value are unset.
 class ParameterValues {
  public:
   /// The table must outlive the values.
@@ -20,18 +20,18 @@ class ParameterValues {
 
   const ParameterTable& table() const { return *table_; }
   bool has(const std::string& name) const { return values_.contains(table_->at(name).name); }
-  /// Is there a value, and not the false of a flag?
+  /// Whether the parameter has a value other than the false of a flag.
   bool is_given(const std::string& name) const;
 
-  /// Throws Error(kUsage) for a value that is not legal: "--lobes is 9, expected an integer from 1 to 8".
+  /// Throws Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".
   void set(const std::string& name, ParameterValue value);
   void set(const std::string& name, bool value) { set(name, ParameterValue(value)); }
   void set(const std::string& name, int value) { set(name, ParameterValue(std::int64_t{value})); }
   void set(const std::string& name, const char* value) { set(name, ParameterValue(std::string(value))); }
   void erase(const std::string& name) { values_.erase(table_->at(name).name); }
 
-  /// Typed access; the parameter must be of that kind. Unset where nobody gave it.
-  bool flag(const std::string& name) const;  // false where nobody gave it
+  /// Typed access; the parameter must have this kind. Unset parameters return nullopt.
+  bool flag(const std::string& name) const;  // false if unset
   std::optional<int> integer(const std::string& name) const;
   std::optional<std::int64_t> bytes(const std::string& name) const;
   std::optional<double> number(const std::string& name) const;
@@ -39,8 +39,8 @@ class ParameterValues {
   template <typename Value>
   std::optional<Value> choice(const std::string& name, const Choices<Value>& choices) const;
 
-  /// As a command line has them, in the table's order: "--ndf vmf --lobes 3". `groups`: of these groups alone; empty:
-  /// of all.
+  /// The values as options, in the order of the table: "--ndf vmf --lobes 3". `groups`: only of these groups; empty: of
+  /// all groups.
   std::string options_text(const std::vector<std::string>& groups = {}) const;
 
  private:
@@ -49,7 +49,8 @@ class ParameterValues {
   std::map<std::string, ParameterValue> values_;
 };
 
-/// Throws Error(kUsage): two that exclude one another are both given, as "--gloss excludes --roughness".
+/// Throws Error(kUsage) if two parameters are given that exclude each other: "--gloss excludes --roughness, found
+/// both".
 void check_exclusions(const ParameterValues& values);
 
 template <typename Value>

@@ -15,7 +15,7 @@ using Rows = std::vector<Parameter>;
 Parameter data_format_parameter(const char* default_text) {
   return {.name = "data_format",
           .kind = Kind::kChoice,
-          .help = "storage precision",
+          .help = "set the storage precision",
           .default_text = default_text,
           .choices = {choice_name(kStorageEncodings, StorageEncoding::kHalf),
                       choice_name(kStorageEncodings, StorageEncoding::kFloat)},
@@ -23,7 +23,7 @@ Parameter data_format_parameter(const char* default_text) {
           .surfaces = kOnCommandLine};
 }
 
-// A colour, a direction or another group of numbers in one text.
+// A colour, a direction or another list of numbers in one text.
 Parameter numbers_parameter(const char* name, const char* help, const char* unit, const char* default_text) {
   return {.name = name,
           .kind = Kind::kText,
@@ -33,10 +33,10 @@ Parameter numbers_parameter(const char* name, const char* help, const char* unit
           .surfaces = kOnCommandLine};
 }
 
-// What all three end with.
+// Adds the rows that end all three tables.
 ParameterTable table_of(const char* command, Rows rows) {
-  rows.push_back(memory_parameter("memory for buffers and the image; larger images go by way of a scratch file", 1.0,
-                                  "256M", kOnCommandLine));
+  rows.push_back(memory_parameter("use this much memory for buffers and the image; larger images use a scratch file",
+                                  1.0, "256M", kOnCommandLine));
   rows.push_back(device_parameter(kOnCommandLine));
   Parameter compression = compression_parameter(kOnCommandLine);
   compression.hashed_as.clear();
@@ -47,7 +47,7 @@ ParameterTable table_of(const char* command, Rows rows) {
                   .unit = "FILE",
                   .surfaces = kOnCommandLine});
   rows.push_back({.name = "force",
-                  .help = "write even if the output comes from the same file with the same settings",
+                  .help = "write even if the output was made from the same file with the same settings",
                   .surfaces = kOnCommandLine});
   return {command, std::move(rows)};
 }
@@ -65,8 +65,8 @@ const ParameterTable& mip_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {{.name = "colours",
                   .kind = Kind::kChoice,
-                  .help = "meaning of the numbers: auto (integers sRGB unless the file says otherwise, floats "
-                          "linear), srgb, linear, or data (no colours: may be negative)",
+                  .help = "read numbers as srgb, linear or data (not colours; may be negative); auto: integers "
+                          "as sRGB unless the file says otherwise, floats as linear",
                   .default_text = "auto",
                   .choices = choice_names(kColourEncodings),
                   .surfaces = kOnCommandLine},
@@ -81,13 +81,13 @@ const ParameterTable& lod_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {{.name = "of",
                   .kind = Kind::kChoice,
-                  .help = "content of the file: heights (its first channel) or positions (three channels)",
+                  .help = "read heights (from the first channel) or positions (from three channels)",
                   .default_text = "heights",
                   .choices = {"heights", "positions"},
                   .surfaces = kOnCommandLine},
                  {.name = "scale",
                   .kind = Kind::kNumber,
-                  .help = "factor of all numbers",
+                  .help = "multiply all numbers by this",
                   .low = -kUnbounded,
                   .high = kUnbounded,
                   .zero_excluded = true,
@@ -105,33 +105,34 @@ const ParameterTable& reflectance_parameters() {
       table_of("reflectance",
                {{.name = "light",
                  .kind = Kind::kText,
-                 .help = "direction towards a distant light, optionally with its irradiance, grey or red, green, blue",
+                 .help = "add a distant light: the direction towards it, then optionally its irradiance, grey "
+                         "or red, green, blue",
                  .unit = "X,Y,Z[,Y|,R,G,B]",
                  .is_repeatable = true,
                  .surfaces = kOnCommandLine},
                 {.name = "environment",
                  .kind = Kind::kFile,
-                 .help = "latitude-longitude image of light from all directions; +Y on top, -Z in the middle",
+                 .help = "light the surface by this latitude-longitude image; +Y is at the top, -Z in the middle",
                  .surfaces = kOnCommandLine},
                 {.name = "environment_scale",
                  .kind = Kind::kNumber,
-                 .help = "factor of the environment's radiance",
+                 .help = "multiply the radiance of the environment by this",
                  .low = 0.0,
                  .high = kUnbounded,
                  .default_text = "1",
                  .surfaces = kOnCommandLine},
-                numbers_parameter("viewer", "direction towards the distant viewer", "X,Y,Z", "0,0,1"),
-                numbers_parameter("up", "direction that is up in the map", "X,Y,Z", "0,1,0"),
+                numbers_parameter("viewer", "set the direction towards the distant viewer", "X,Y,Z", "0,0,1"),
+                numbers_parameter("up", "set the up direction of the map", "X,Y,Z", "0,1,0"),
                 {.name = "brdf",
                  .kind = Kind::kBrdf,
-                 .help = "BRDF of the surface: blinn-phong:S, S from 1 to 100000",
+                 .help = "set the BRDF of the surface: blinn-phong:S with S from 1 to 100000",
                  .default_text = "blinn-phong:100",
                  .surfaces = kOnCommandLine},
-                numbers_parameter("diffuse", "diffuse reflectance, grey or red, green, blue", "Y|R,G,B", "0.5"),
-                numbers_parameter("specular", "specular factor, grey or red, green, blue", "Y|R,G,B", "0.1"),
+                numbers_parameter("diffuse", "set the diffuse reflectance, grey or red, green, blue", "Y|R,G,B", "0.5"),
+                numbers_parameter("specular", "set the specular factor, grey or red, green, blue", "Y|R,G,B", "0.1"),
                 {.name = "size",
                  .kind = Kind::kInteger,
-                 .help = "side of the map",
+                 .help = "set the side of the map",
                  .low = 4,
                  .high = 8192,
                  .unit = "texels",
@@ -139,7 +140,7 @@ const ParameterTable& reflectance_parameters() {
                  .surfaces = kOnCommandLine},
                 {.name = "texel_samples",
                  .kind = Kind::kInteger,
-                 .help = "normals averaged along each side of a texel",
+                 .help = "average this many normals along each side of a texel",
                  .low = 1,
                  .high = 16,
                  .default_text = "2",

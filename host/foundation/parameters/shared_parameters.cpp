@@ -23,7 +23,7 @@ std::vector<std::string> compressions() {
 Parameter device_parameter(unsigned surfaces) {
   return {.name = "device",
           .kind = ParameterKind::kText,
-          .help = "OpenCL device: its number in `multum devices`, else part of its name",
+          .help = "use this OpenCL device: its number in `multum devices`, or a part of its name",
           .surfaces = surfaces};
 }
 
@@ -41,22 +41,22 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
 Parameter lobe_anisotropy_parameter(unsigned surfaces) {
   return {.name = "anisotropy",
           .help =
-              "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
-              "tangents to the normal map's normal",
+              "fit lobes that are longer than wide (KHR_materials_anisotropy); only for renderers that turn"
+              " tangents to the normal of the map",
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
 
 Parameter fast_lobe_parameter(unsigned surfaces) {
   return {.name = "fast",
-          .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
+          .help = "fit by a closed form instead of maximum likelihood; its error is a few per cent higher",
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
 
 Parameter two_channel_parameter(unsigned surfaces) {
   return {.name = "two_channel",
-          .help = "read x and y alone, and rebuild z",
+          .help = "read only x and y, and rebuild z",
           .default_text = "detected",
           .hashed_as = "two_channel",
           .excludes = {"z_range"},
@@ -67,8 +67,8 @@ Parameter z_range_parameter(unsigned surfaces) {
   return {.name = "z_range",
           .kind = ParameterKind::kChoice,
           .help =
-              "what blue of 0 to 1 stores: signed, z from -1 to 1 as x and y; positive, z from 0 to 1, as some old "
-              "tools write it",
+              "read blue as z from -1 to 1, like x and y (signed), or as z from 0 to 1, as some old tools "
+              "write it (positive)",
           .default_text = "detected",
           .choices = choice_names(kZRanges),
           .hashed_as = "z_range",
@@ -80,8 +80,8 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
   return {.name = "surface",
           .kind = ParameterKind::kChoice,
           .help =
-              "what lies between texels: texels, each is a facet of one normal, or interpolated, the surface that "
-              "renderers show from near, which is smoother" +
+              "treat a texel as a facet of one normal (texels), or interpolate between texels as renderers do up close "
+              "(interpolated, smoother)" +
               more,
           .default_text = "texels",
           .choices = choice_names(kMapSurfaces),
@@ -89,23 +89,24 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
           .surfaces = surfaces};
 }
 
-Parameter form_parameter(const std::string& shown, const std::string& default_text, unsigned surfaces) {
-  return {.name = "form",
-          .kind = ParameterKind::kChoice,
-          .help = "what normals become: auto, by pictures of " + shown +
-                  "; averages, with fitted roughness; one-lobe, both fitted",
-          .default_text = default_text,
-          .choices = choice_names(kMaterialForms),
-          .group = kStorageGroup,
-          .surfaces = surfaces};
+Parameter form_parameter(const std::string& choice, const std::string& default_text, unsigned surfaces) {
+  return {
+      .name = "form",
+      .kind = ParameterKind::kChoice,
+      .help = "write averaged normals with fitted roughness (averages), fitted normals and roughness (one-lobe), or " +
+              choice + " (auto)",
+      .default_text = default_text,
+      .choices = choice_names(kMaterialForms),
+      .group = kStorageGroup,
+      .surfaces = surfaces};
 }
 
 Parameter engine_parameter(unsigned surfaces) {
   return {.name = "for",
           .kind = ParameterKind::kChoice,
           .help =
-              "engine whose filter, and whose roughness where normals change from pixel to pixel, the pictures of "
-              "form auto have",
+              "draw the pictures of --form auto like this engine: with its texture filter, and its "
+              "roughness where normals change between pixels",
           .default_text = "three",
           .choices = choice_names(kEngines),
           .group = kStorageGroup,
@@ -115,7 +116,7 @@ Parameter engine_parameter(unsigned surfaces) {
 Parameter uastc_effort_parameter(unsigned surfaces) {
   return {.name = "uastc_effort",
           .kind = ParameterKind::kInteger,
-          .help = "effort of the encoder of UASTC: higher is slower, and its error is lower",
+          .help = "set the effort of the UASTC encoder; more effort is slower and has a lower error",
           .low = 0,
           .high = 3,
           .default_text = "1",
@@ -126,7 +127,9 @@ Parameter uastc_effort_parameter(unsigned surfaces) {
 Parameter encoder_parameter(unsigned surfaces) {
   return {.name = "encoder",
           .kind = ParameterKind::kText,
-          .help = "folder of ktx2-encoder, which encodes UASTC, or of the node_modules with it",
+          .help =
+              "encode UASTC with the ktx2-encoder in this folder, which is the package or a node_modules "
+              "folder with it",
           .unit = "FOLDER",
           .default_text = "where Node.js looks for packages",
           .group = kStorageGroup,
@@ -136,7 +139,7 @@ Parameter encoder_parameter(unsigned surfaces) {
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
           .kind = ParameterKind::kChoice,
-          .help = "lossless compression of the file; zip:1 is the fastest zip, zip:9 the smallest",
+          .help = "compress the file without loss; zip:1 is the fastest zip, zip:9 the smallest",
           .unit = "none|rle|piz|zip[:1-9]|zips[:1-9]",
           .default_text = "zip:1",
           .choices = compressions(),
@@ -146,7 +149,7 @@ Parameter compression_parameter(unsigned surfaces) {
 
 Parameter absolute_geometry_parameter() {
   return {.name = "absolute_geometry",
-          .help = "name the scene file by its absolute path, not by its place beside the output",
+          .help = "store the absolute path of the scene file instead of its path relative to the output",
           .surfaces = kOnCommandLine};
 }
 
@@ -160,15 +163,15 @@ std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& defaul
   for (const WrapMode mode : kWrapModes) modes.emplace_back(wrap_mode_name(mode));
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
-                          .help = std::string("continuation beyond the border") +
-                                  (with_auto ? "; auto: periodic where the map tiles, else clamp" : ""),
+                          .help = std::string("continue the map beyond its border in this way") +
+                                  (with_auto ? "; auto: periodic if the map tiles, else clamp" : ""),
                           .default_text = default_text,
                           .choices = modes,
                           .hashed_as = "wrap",
                           .surfaces = surfaces};
   Parameter s = both, t = both;
-  s.name = "swrap", s.help = "--wrap along s (x) only", s.default_text = "";
-  t.name = "twrap", t.help = "--wrap along t (y) only", t.default_text = "";
+  s.name = "swrap", s.help = "like --wrap, along s (x) only", s.default_text = "";
+  t.name = "twrap", t.help = "like --wrap, along t (y) only", t.default_text = "";
   return {both, s, t};
 }
 

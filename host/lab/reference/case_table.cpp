@@ -86,7 +86,7 @@ NumericalRun parse_case_json(const std::string& text, const std::string& path) {
     return run;
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: is not the output of `multum selftest --json`: {}", path, error.what()));
+                fmt::format("{}: is not the output of `multum selftest --report`: {}", path, error.what()));
   }
 }
 

@@ -185,13 +185,13 @@ class BundleTest(FarmTest):
         rock = self.folder / "rock_1001.png"
         for words, expected in ((("bake", rock), "found no --output"),
                                 (("--shards", 2, "bake", rock, "-o", "a.ndf.exr", "--refine"), "--refine"),
-                                (("--shards", 2, "bake", rock, "-o", "a.ndf.exr", "--ndf=sh"), "two lobes and more"),
-                                (("serve",), "cannot be sent to a farm"),
+                                (("--shards", 2, "bake", rock, "-o", "a.ndf.exr", "--ndf=sh"), "at least two lobes"),
+                                (("serve",), "cannot run on a farm"),
                                 (("bake", "--manifest", self.manifest, "--lobos", 3), "--lobos"),
                                 (("bake", "--manifest", self.manifest, "--shard", "1/2"), "--shards N before bake"),
                                 (("bake", self.folder / "rock_1001.png", "-o", "a.exr", "--merge", 2), "--shards N"),
                                 (("--shards", 6, "bake", "--manifest", self.manifest), "at most 5"),
-                                (("info", self.folder / "rock_1001.png"), "cannot be sent to a farm"),
+                                (("info", self.folder / "rock_1001.png"), "cannot run on a farm"),
                                 (("bakery",), "bakery"), ((), "found no command")):
             done = run("openjd", "-o", self.folder / "bundle", *words)
             self.assertEqual(done.returncode, 2, words)
@@ -200,7 +200,7 @@ class BundleTest(FarmTest):
         for words in (("bake", self.folder / "none.png", "-o", "a.ndf.exr"), ("pack", "none", "-o", "a.mpt")):
             done = run("openjd", "-o", self.folder / "bundle", *words)
             self.assertEqual(done.returncode, 3, words)
-            self.assertIn("is not there", done.stderr)
+            self.assertIn("does not exist", done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
 
     def copies(self, count):

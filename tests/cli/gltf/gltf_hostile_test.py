@@ -134,13 +134,13 @@ class HostileTest(unittest.TestCase):
         with open(self.path("in.glb"), "wb") as file:
             file.write(plain_model().glb())
         for output, code, word in (("model/out.gltf", USAGE, ".glb"), ("in.glb", USAGE, "twice"),
-                                   ("none/out.glb", ENVIRONMENT, "not exist"), ("model", USAGE, ".glb")):
+                                   ("/proc/none/out.glb", ENVIRONMENT, "folder"), ("model", USAGE, ".glb")):
             run = self.run_gltf("in.glb", output=output)
             self.assertEqual(run.returncode, code, run.stderr)
             self.assertIn(word, run.stderr)
         self.assertEqual(self.run_gltf("none.glb").returncode, INPUT_REFUSED)
         self.assertEqual(self.run_gltf("model").returncode, INPUT_REFUSED)
-        self.assertEqual(self.run_gltf("in.glb", "--report", self.path("none/r.json")).returncode, ENVIRONMENT)
+        self.assertEqual(self.run_gltf("in.glb", "--report", "/proc/none/r.json").returncode, ENVIRONMENT)
         self.assertEqual(sorted(os.listdir(self.folder)), ["in.glb", "model"])
         self.assertEqual(os.listdir(self.path("model")), [])
 

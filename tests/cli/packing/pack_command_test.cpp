@@ -165,7 +165,7 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const auto bytes = fs::file_size(path("default.mpt")) / 2;
   const ProgramResult small = pack("small.mpt", {"--bytes", std::to_string(bytes)});
   ASSERT_EQ(small.exit_code, 0) << small.err;
-  expect_says(small.err, {"warning", "small.mpt: packing adds an MSE of about", times, "leave --ratio, --bytes"});
+  expect_says(small.err, {"warning", "small.mpt: packing adds an MSE of about", times, "Without --ratio, --bytes"});
   EXPECT_GT(drawn_mse("small.mpt"), added);
   const ProgramResult by_error = pack("error.mpt", {"--mse-max", "6"});
   EXPECT_EQ(by_error.err.find("warning"), std::string::npos) << by_error.err;

@@ -429,7 +429,8 @@ TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
   EXPECT_EQ(bytes("l0_reference.png"), bytes("l4_reference.png"));
   EXPECT_NE(bytes("l0_bilinear.png"), bytes("l4_bilinear.png"));
   std::filesystem::remove(path("out.png"));
-  expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface-level", "1"}, 2, {"no --surface"});
+  expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface-level", "1"}, 2,
+                 {"--surface-level", "need --surface"});
   expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface", path("h.exr")}, 2,
                  {"two", "--mesh or --surface"});
 }

@@ -163,10 +163,10 @@ TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
 #ifdef MULTUM_HAS_FIELDS
       {"sample", {"Draw samples", "--at", "--exposure"}},
       {"play", {"Draw frames along", "--path", "--no-wait", "a..b"}},
-      {"probe", {"Measure filter matrices", "--matrix-market", "--threads"}},
+      {"probe", {"Measure the weights", "--matrix-market", "--threads"}},
 #endif
       {"pyramid", {"Draw a surface", "--lookup", "--shifts", "--mesh"}},
-      {"lod", {"Draw a pyramid of heights", "--level"}},
+      {"lod", {"Draw one level of a pyramid of heights", "--level"}},
       {"model", {"Draw a glTF model", "--material", "--distance"}},
       {"thumbnails", {"Draw small pictures", "--source", "--albedo"}},
       {"each", {"Run several command lines", "views.json"}}};

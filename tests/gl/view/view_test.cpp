@@ -425,7 +425,7 @@ TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
     std::ifstream file(path("r.json"));
     EXPECT_GT(nlohmann::json::parse(file)["pictures"][1][0]["environment_processor_ms"]["set"].get<double>(), 0.0);
   }
-  expect_refusal({"-o", path("out.png"), "--environment-turn", "10"}, 2, {"--environment-turn", "no --environment"});
+  expect_refusal({"-o", path("out.png"), "--environment-turn", "10"}, 2, {"--environment-turn", "need --environment"});
 }
 
 // A file that begins at level 1 or 2, and the normal map with the finer levels.

@@ -41,10 +41,10 @@ def main():
         def by_service():
             environment = dict(service.environment, MULTUM_SERVER=f"http://127.0.0.1:{service.port}")
             for name in names:
-                subprocess.run([options.multum, "submit", "bake", name + "_normal.png", "--again", "-o",
+                subprocess.run([options.multum, "jobs", "submit", "bake", name + "_normal.png", "--again", "-o",
                                 f"{outputs}/{os.path.basename(name)}.ndf.exr"],
                                check=True, env=environment, capture_output=True)
-            subprocess.run([options.multum, "wait", "--all"], check=True, env=environment, capture_output=True)
+            subprocess.run([options.multum, "jobs", "wait", "--all"], check=True, env=environment, capture_output=True)
             assert len(os.listdir(outputs)) == len(names), os.listdir(outputs)
 
         def timed(bakes):

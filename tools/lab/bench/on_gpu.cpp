@@ -165,7 +165,7 @@ class OnGpuRun {
   // Chooses as Device::open() does, from a child's list, so that a driver that crashes only ends the child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
-    child({neighbouring_program("multum"), "devices", "--json", listed}, 60);
+    child({neighbouring_program("multum"), "devices", "--report", listed}, 60);
     result_["devices"] = read_json(listed);
     std::vector<DeviceInfo> devices;
     std::string cpu;
@@ -232,7 +232,7 @@ class OnGpuRun {
   Json selftest(double left) {
     const std::string file = folder_ / "selftest.json";
     std::vector<std::string> command = {
-        neighbouring_program("multum"), "selftest", "--quiet", "--device", options_.device, "--json", file};
+        neighbouring_program("multum"), "selftest", "--quiet", "--device", options_.device, "--report", file};
     if (options_.small) command.insert(command.end(), {"--filter", "moment"});
     child(command, left, {0, exit_code(ErrorCode::kVerification)});
     Json result = read_json(file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum submit, list, show, tail, wait, cancel, retry, purge: they ask a service that runs elsewhere.
+// multum jobs submit|list|show|cancel|retry|tail|wait|purge: the client of a service.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -23,6 +23,7 @@
 #include "host/foundation/base/path_text.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/multum/farm/farm_commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -35,7 +36,7 @@ struct ClientOptions {
   bool json = false;
 };
 
-// --server, else $MULTUM_SERVER, else the usual place.
+// The server of --server, of $MULTUM_SERVER, or the default one.
 HttpClient client_of(const ClientOptions& o) {
   const char* from_environment = std::getenv("MULTUM_SERVER");
   const std::string server = !o.server.empty()             ? o.server
@@ -48,25 +49,23 @@ HttpClient client_of(const ClientOptions& o) {
   std::string token;
   if (!token_file.empty()) {
     RegularFileStream file(token_file, StandardInput::kAllowed);
-    if (!std::getline(file, token)) throw Error(ErrorCode::kInput, token_file + ": cannot be read");
+    if (!std::getline(file, token)) throw Error(ErrorCode::kInput, "cannot read the token file " + token_file);
   }
   return HttpClient(server, token);
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
   command.add_option("--server", o.server,
-                     "http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
-  command.add_option("--token-file", o.token_file, "file whose first line is the token (default: $MULTUM_TOKEN_FILE)");
-  command.add_flag("--json", o.json, "print the service's answer");
+                     "address of the service: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
+                     "http://127.0.0.1:8470)");
+  command.add_option("--token-file", o.token_file,
+                     "file whose first line is the token of the service (default: $MULTUM_TOKEN_FILE)");
+  add_json_option(command, o.json);
 }
 
-void print_json(const Json& json) {
-  write_shown(stdout, escaped_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
-}
+constexpr std::size_t kMessageMax = 120;  // bytes of a message in a list, which has one line per job
 
-constexpr std::size_t kMessageMax = 120;  // bytes in a list, where a line is a job
-
-// Its first line, as far as a list has room for it.
+// The first line of a message, cut to kMessageMax bytes.
 std::string short_message(const std::string& message) {
   const std::string line = message.substr(0, message.find('\n'));
   if (line.size() <= kMessageMax) return line == message ? line : line + " ...";
@@ -87,9 +86,28 @@ std::string job_line(const Json& job, std::string message) {
 
 std::string job_line(const Json& job) { return job_line(job, job["message"].get<std::string>()); }
 
-void print_job(const ClientOptions& o, const Json& job) {
-  if (o.json) print_json(job);
-  else print_shown(stdout, "%s\n", job_line(job).c_str());
+// The jobs that a command prints: a line each, or one document at the end.
+class PrintedJobs {
+ public:
+  explicit PrintedJobs(const ClientOptions& o) : json_(o.json) {}
+  void add(const Json& job) {
+    if (json_) jobs_.push_back(OrderedJson(job));
+    else print_shown(stdout, "%s\n", job_line(job).c_str());
+  }
+  void finish() const {
+    if (json_) print_json({{"jobs", jobs_}});
+  }
+  const OrderedJson& jobs() const { return jobs_; }
+
+ private:
+  bool json_;
+  OrderedJson jobs_ = OrderedJson::array();
+};
+
+// A line per field.
+void print_fields(const Json& job) {
+  for (const auto& [key, value] : job.items())
+    write_shown(stdout, fmt::format("{:<14} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump()));
 }
 
 // ---- submit
@@ -97,16 +115,16 @@ void print_job(const ClientOptions& o, const Json& job) {
 struct SubmitOptions {
   ClientOptions client;
   std::string output;
-  Job asked;  // of it the fields that have an option; `deadline` in seconds from now
+  Job asked;  // only fields that have an option; `deadline` is in seconds from now
   bool again = false, wait = false;
   std::map<std::string, std::string> values;
   std::map<std::string, bool> flags;
 };
 
-// As JSON; what is not of the parameter's type goes as it is, and the service says what it expected.
+// The value as JSON. A text of another type is sent unchanged: the service then answers what it expected.
 Json value_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind == ParameterKind::kFile) {
-    // FILE:CHANNEL too: the channel follows the last colon of the absolute path as well.
+    // Also right for FILE:CHANNEL: the channel still follows the last colon.
     return text_of_path(fs::absolute(text).lexically_normal().string());
   }
   const std::optional<ParameterValue> value = parse_value(parameter, text);
@@ -114,9 +132,9 @@ Json value_of(const Parameter& parameter, const std::string& text) {
   return std::visit([](const auto& one) { return Json(one); }, *value);
 }
 
-int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids);
+bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& printed);
 
-// What differs from the value that a job has by itself.
+// Adds a field whose value differs from the default of a job.
 template <typename Value>
 void add_asked(Json& job, const JobField& field, const Value& value) {
   static const Job kNone;
@@ -152,9 +170,15 @@ int run_submit(const JobType& type, SubmitOptions& o) {
   HttpClient client = client_of(o.client);
   const Json answer = client.ask("POST", "/v1/jobs", job);
   const auto id = answer["id"].get<std::int64_t>();
-  if (o.client.json) print_json(answer);
-  else print_shown(stdout, "%lld\n", static_cast<long long>(id));
-  return o.wait ? wait_for(client, o.client, {id}) : 0;
+  if (!o.client.json) print_shown(stdout, "%lld\n", static_cast<long long>(id));
+  if (!o.wait) {
+    if (o.client.json) print_json(OrderedJson(answer));
+    return 0;
+  }
+  PrintedJobs printed(o.client);
+  const bool succeeded = wait_for(client, {id}, printed);
+  if (o.client.json) print_json(printed.jobs().front());
+  return succeeded ? 0 : 1;
 }
 
 CLI::Validator is_choice(const Parameter& parameter) {
@@ -177,6 +201,7 @@ void add_submit_option(CLI::App& command, SubmitOptions& o, const Parameter& par
 
 void add_submit(CLI::App& app, int* exit_code) {
   CLI::App* submit = app.add_subcommand("submit", "submit a job to a service and print its number");
+  submit->footer("Example:\n  multum jobs submit bake rock_normal.png -o /srv/maps/rock.ndf.exr --lobes 4 --wait");
   submit->require_subcommand(1);
   for (const JobType& type : job_types()) {
     auto o = std::make_shared<SubmitOptions>();
@@ -190,14 +215,14 @@ void add_submit(CLI::App& app, int* exit_code) {
       }
     }
     CLI::Option* output =
-        command->add_option("-o,--output", o->output, "file or folder of the result, on the service's disk");
+        command->add_option("-o,--output", o->output, "file or folder of the result, on the disk of the service");
     if (type.needs_output) output->required();
     for (const JobField& field : job_fields())
-      // A type's own --device is OpenCL's.
+      // --device of a type is the OpenCL device.
       if (field.option != nullptr && command->get_option_no_throw(field.option) == nullptr)
         with_field(field, o->asked, [&](auto& value) { add_field_option(*command, field, value); });
-    command->add_flag("--again", o->again, "run the job even if an earlier one has made the same");
-    command->add_flag("--wait", o->wait, "wait until the job is done; the exit code is 0 when it succeeded");
+    command->add_flag("--again", o->again, "run the job even if an earlier job made the same result");
+    command->add_flag("--wait", o->wait, "wait until the job ends; exit with code 0 if it succeeded, else 1");
     add_client_options(*command, o->client);
     command->callback([&type, o, exit_code] { *exit_code = run_submit(type, *o); });
   }
@@ -205,10 +230,10 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
-// Whoever waits for hours outlives a service that is started again: it is asked for so long after it was gone.
+// How long a waiting client asks a service that went away: long enough to outlive its restart.
 constexpr auto kPatience = std::chrono::seconds(60);
 
-// Runs `body`, which talks to the service and calls `answered` when it does, until it returns true.
+// Runs `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.
 void persist(const std::function<bool(const std::function<void()>& answered)>& body) {
   using Clock = std::chrono::steady_clock;
   bool was_answered = false;
@@ -220,7 +245,7 @@ void persist(const std::function<bool(const std::function<void()>& answered)>& b
   for (;;) {
     try {
       if (body(answered)) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the line was cut
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the connection was cut
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kEnvironment || !was_answered) throw;
       if (!gone_since) print_shown(stderr, "multum: %s Trying again.\n", error.what());
@@ -231,18 +256,19 @@ void persist(const std::function<bool(const std::function<void()>& answered)>& b
   }
 }
 
-int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids) {
+// Returns whether all jobs succeeded.
+bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& printed) {
   bool all_succeeded = true;
   const auto settle = [&](const Json& job) {
     const auto state = job["state"].get<std::string>();
     if (state != "succeeded" && state != "dead" && state != "cancelled") return;
     if (ids.erase(job["id"].get<std::int64_t>()) == 0) return;
     all_succeeded = all_succeeded && state == "succeeded";
-    print_job(o, job);
+    printed.add(job);
   };
-  if (ids.empty()) return 0;
+  if (ids.empty()) return true;
   persist([&](const std::function<void()>& answered) {
-    // Who is done already is asked with the line open: events tell of changes alone.
+    // Asks for jobs that are done while the event stream is open: events report changes only.
     const auto ask_all = [&] {
       answered();
       const std::set<std::int64_t> asked = ids;
@@ -257,7 +283,7 @@ int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> 
     });
     return ids.empty();
   });
-  return all_succeeded ? 0 : 1;
+  return all_succeeded;
 }
 
 struct WaitOptions {
@@ -280,23 +306,27 @@ int run_wait(WaitOptions& o) {
       }
     }
   } else if (ids.empty()) {
-    throw Error(ErrorCode::kUsage, "expected jobs' numbers or --all");
+    throw Error(ErrorCode::kUsage, "found no job number and no --all, expected one of them");
   }
-  return wait_for(client, o.client, std::move(ids));
+  PrintedJobs printed(o.client);
+  const bool succeeded = wait_for(client, std::move(ids), printed);
+  printed.finish();
+  return succeeded ? 0 : 1;
 }
 
 int run_tail(ClientOptions& o, std::int64_t id) {
   HttpClient client = client_of(o);
   std::size_t shown = 0;  // bytes
-  std::string state;
+  std::string state, log;
+  Json job;
   const auto show = [&] {
-    const Json job = client.ask("GET", fmt::format("/v1/jobs/{}", id));
-    const std::string log = client.text(fmt::format("/v1/jobs/{}/log", id));
+    job = client.ask("GET", fmt::format("/v1/jobs/{}", id));
+    log = client.text(fmt::format("/v1/jobs/{}/log", id));
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    // Half a character would be shown as two that are none. Half a line waits for its other half.
+    // A character that is cut in half would be shown as two invalid ones; it waits for its other half.
     const std::size_t ready = is_done ? log.size() : whole_characters(log);
-    if (ready > shown) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
+    if (ready > shown && !o.json) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
     shown = std::max(shown, ready);
     if (is_done) print_shown(stderr, "%s\n", job_line(job).c_str());
     return !is_done;
@@ -311,6 +341,7 @@ int run_tail(ClientOptions& o, std::int64_t id) {
     client.listen(fmt::format("/v1/jobs/{}/events", id), look, [&](const std::string&, const Json&) { return look(); });
     return !goes_on;
   });
+  if (o.json) print_json({{"job", OrderedJson(job)}, {"log", log}});
   return state == "succeeded" ? 0 : 1;
 }
 
@@ -328,7 +359,9 @@ void add_for_ids(CLI::App& app, const char* name, const char* help, int* exit_co
   add_client_options(*command, o->client);
   command->callback([o, exit_code, body] {
     HttpClient client = client_of(o->client);
-    for (const std::int64_t id : o->ids) body(client, o->client, id);
+    PrintedJobs printed(o->client);
+    for (const std::int64_t id : o->ids) body(client, o->client, id, printed);
+    printed.finish();
     *exit_code = 0;
   });
 }
@@ -340,11 +373,13 @@ void add_list(CLI::App& app, int* exit_code) {
     int limit = 50;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* list = app.add_subcommand("list", "list a service's jobs, newest first");
+  CLI::App* list = app.add_subcommand("list", "list the jobs of a service, newest first");
   list->add_option("--state", o->state, "list only jobs of this state")
       ->check(CLI::IsMember({"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"}));
   list->add_option("--queue", o->queue, "list only jobs of this queue");
-  list->add_option("--limit", o->limit, "most jobs to list")->check(CLI::Range(1, 1000))->capture_default_str();
+  list->add_option("--limit", o->limit, "list at most this many jobs")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   add_client_options(*list, o->client);
   list->callback([o, exit_code] {
     std::string target = fmt::format("/v1/jobs?limit={}", o->limit);
@@ -352,7 +387,7 @@ void add_list(CLI::App& app, int* exit_code) {
     if (!o->queue.empty()) target += "&queue=" + o->queue;
     const Json answer = client_of(o->client).ask("GET", target);
     if (o->client.json) {
-      print_json(answer);
+      print_json(OrderedJson(answer));
     } else {
       for (const Json& job : answer["jobs"])
         print_shown(stdout, "%s\n", job_line(job, short_message(job["message"].get<std::string>())).c_str());
@@ -372,16 +407,21 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "retry only jobs of this queue; with --all-dead");
+  retry->add_option("--queue", o->queue, "with --all-dead: retry only jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
-    if (o->all_dead == !o->ids.empty()) throw Error(ErrorCode::kUsage, "expected either jobs' numbers or --all-dead");
+    if (o->all_dead == !o->ids.empty())
+      throw Error(ErrorCode::kUsage, fmt::format("found {}, expected either job numbers or --all-dead",
+                                                 o->all_dead ? "both" : "no job number and no --all-dead"));
     HttpClient client = client_of(o->client);
-    for (const std::int64_t id : o->ids) print_job(o->client, client.ask("POST", fmt::format("/v1/jobs/{}/retry", id)));
-    if (o->all_dead) {
+    if (!o->all_dead) {
+      PrintedJobs printed(o->client);
+      for (const std::int64_t id : o->ids) printed.add(client.ask("POST", fmt::format("/v1/jobs/{}/retry", id)));
+      printed.finish();
+    } else {
       const Json answer =
           client.ask("POST", "/v1/retry", o->queue.empty() ? Json::object() : Json{{"queue", o->queue}});
-      if (o->client.json) print_json(answer);
+      if (o->client.json) print_json(OrderedJson(answer));
       else print_shown(stdout, "%zu jobs are queued again\n", answer["retried"].size());
     }
     *exit_code = 0;
@@ -395,16 +435,18 @@ void add_purge(CLI::App& app, int* exit_code) {
     std::int64_t age = -1;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; results stay");
+  CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; keep their results");
   purge->add_option("job", o->ids, "numbers of the jobs");
-  purge->add_option("--older-than", o->age, "purge all jobs that finished at least so many seconds ago")
+  purge->add_option("--older-than", o->age, "purge all jobs that ended at least this many seconds ago")
       ->check(CLI::NonNegativeNumber);
   add_client_options(*purge, o->client);
   purge->callback([o, exit_code] {
-    if (o->ids.empty() == (o->age < 0)) throw Error(ErrorCode::kUsage, "expected either jobs' numbers or --older-than");
+    if (o->ids.empty() == (o->age < 0))
+      throw Error(ErrorCode::kUsage, fmt::format("found {}, expected either job numbers or --older-than",
+                                                 o->age < 0 ? "no job number and no --older-than" : "both"));
     const Json body = o->age < 0 ? Json{{"jobs", o->ids}} : Json{{"finished_before_s", o->age}};
     const Json answer = client_of(o->client).ask("POST", "/v1/purge", body);
-    if (o->client.json) print_json(answer);
+    if (o->client.json) print_json(OrderedJson(answer));
     else print_shown(stdout, "%zu jobs are purged\n", answer["purged"].size());
     *exit_code = 0;
   });
@@ -412,32 +454,37 @@ void add_purge(CLI::App& app, int* exit_code) {
 
 }  // namespace
 
-void add_client_commands(CLI::App& app, int* exit_code) {
+void add_client_commands(CLI::App& program, int* exit_code) {
+  CLI::App& app = *program.add_subcommand(
+      "jobs", "submit, list, follow and manage the jobs of a service (docs/reference/service.md)");
+  app.require_subcommand(1);
   add_submit(app, exit_code);
   add_list(app, exit_code);
-  add_for_ids(app, "show", "show everything about jobs", exit_code,
-              [](HttpClient& client, const ClientOptions&, std::int64_t id) {
-                print_json(client.ask("GET", fmt::format("/v1/jobs/{}", id)));
+  add_for_ids(app, "show", "show all fields of jobs", exit_code,
+              [](HttpClient& client, const ClientOptions& o, std::int64_t id, PrintedJobs& printed) {
+                const Json job = client.ask("GET", fmt::format("/v1/jobs/{}", id));
+                if (o.json) printed.add(job);
+                else print_fields(job);
               });
   add_for_ids(app, "cancel", "stop jobs in any state", exit_code,
-              [](HttpClient& client, const ClientOptions& o, std::int64_t id) {
-                print_job(o, client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
+              [](HttpClient& client, const ClientOptions&, std::int64_t id, PrintedJobs& printed) {
+                printed.add(client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
               });
   add_retry(app, exit_code);
-  add_purge(app, exit_code);
-
-  auto wait = std::make_shared<WaitOptions>();
-  CLI::App* wait_command = app.add_subcommand("wait", "wait until jobs are done; exit code 0 when all succeeded");
-  wait_command->add_option("job", wait->ids, "numbers of the jobs");
-  wait_command->add_flag("--all", wait->all, "wait for all jobs that are not done");
-  add_client_options(*wait_command, wait->client);
-  wait_command->callback([wait, exit_code] { *exit_code = run_wait(*wait); });
 
   auto tail = std::make_shared<std::pair<ClientOptions, std::int64_t>>();
-  CLI::App* tail_command = app.add_subcommand("tail", "follow a job's log");
+  CLI::App* tail_command = app.add_subcommand("tail", "print the log of a job until the job ends");
   tail_command->add_option("job", tail->second, "number of the job")->required();
   add_client_options(*tail_command, tail->first);
   tail_command->callback([tail, exit_code] { *exit_code = run_tail(tail->first, tail->second); });
+
+  auto wait = std::make_shared<WaitOptions>();
+  CLI::App* wait_command = app.add_subcommand("wait", "wait until jobs end; exit with code 0 if all succeeded, else 1");
+  wait_command->add_option("job", wait->ids, "numbers of the jobs");
+  wait_command->add_flag("--all", wait->all, "wait for all jobs that have not ended");
+  add_client_options(*wait_command, wait->client);
+  wait_command->callback([wait, exit_code] { *exit_code = run_wait(*wait); });
+  add_purge(app, exit_code);
 }
 
 }  // namespace multum

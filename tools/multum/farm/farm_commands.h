@@ -6,11 +6,11 @@
 
 namespace multum {
 
-/// Another command's words as a bundle for farms.
+/// openjd: writes another command as a job bundle for render farms.
 void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words);
-/// serve, the worker that it starts, and rescue.
+/// serve, and the hidden commands that it starts.
 void add_serve_commands(CLI::App& app, int* exit_code);
-/// submit, list, show, tail, wait, cancel, retry, purge: a service's clients.
+/// jobs: the client of a service, with a subcommand per verb.
 void add_client_commands(CLI::App& app, int* exit_code);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The jobs of host/fields.
+// Lists the job types of host/fields.
 #include "host/fields/inference/job/animation_job_reading.h"
 #include "host/fields/inferred/field_files.h"
 #include "host/foundation/parameters/infer_parameters.h"
@@ -26,7 +26,7 @@ JobType infer_type() {
                      .words = {"thumbnails", "--context=osmesa"},
                      .writes_folder = true,
                      .shown = {{"render.png", "its first frame"}}}},
-          .no_other_view = "there is a picture of its first frame alone"};
+          .no_other_view = "it has only a picture of its first frame"};
 }
 
 JobType pack_type() {
@@ -43,7 +43,7 @@ JobType pack_type() {
                      .words = {"player", "-q"},
                      .takes_roots = true,
                      .shown = {{"player.html", "Play it", "Save a player"}}}},
-          .no_other_view = "there is a player of it, and no pictures"};
+          .no_other_view = "it has a player, and no pictures"};
 }
 
 }  // namespace

@@ -9,9 +9,9 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kMiB = 1 << 20;
-constexpr std::size_t kLooksMax = 16;  // pages that are kept; one of the largest map that they show is 37 MB
+constexpr std::size_t kLooksMax = 16;  // pages that are kept; the page of the largest map is 37 MB
 
-constexpr const char* kNoScene = "a map; a scene is baked by a job of type scene";
+constexpr const char* kNoScene = "a map; for a scene, submit a job of type scene";
 
 JobType bake_type() {
   return {.name = "bake",
@@ -23,7 +23,7 @@ JobType bake_type() {
           .output_extension = ".ndf.exr",
           .memory_bytes = 1024 * kMiB,
           .table = &bake_parameters(),
-          // Not the GPU, which bakes may be using.
+          // Software GL: bakes may be using the GPU.
           .views = {{.files = {"render.png", "input.png", "error.png"},
                      .program = "multum-view",
                      .words = {"thumbnails", "--context=osmesa"},
@@ -35,18 +35,18 @@ JobType bake_type() {
                     {.files = {"look.html"},
                      .words = {"look", "-q", "--no-open", "--same-source"},
                      .maps = {{"input", "--source"}},
-                     .first_map_is_for = "the page shows the lobes beside the map that was baked",
+                     .first_map_is_for = "the page shows the lobes next to the map that was baked",
                      .folder_ending = "-look",
                      .kept_max = kLooksMax,
                      .shown = {{"look.html", "Look at its lobes", "Save a page of its lobes"}},
                      .only_for = {{"ndf", "vmf"}}}},
-          .no_other_view = "packed fields alone have a player",
+          .no_other_view = "only packed fields have a player",
           .estimate_command = "plan"};
 }
 
 JobType scene_type() {
   return {.name = "scene",
-          .summary = "bake the maps of a scene, each as the scene needs it",
+          .summary = "bake the maps of a scene as far as the scene needs them",
           .command = "bake",
           .input = "scene",
           .output_is_folder = true,
@@ -57,12 +57,12 @@ JobType scene_type() {
 
 JobType export_type() {
   return {.name = "export",
-          .summary = "fit a normal map's mips as a material that engines load",
+          .summary = "write a normal map as textures for engines, with fitted mips",
           .command = "export",
           .input = "input",
           .output_is_folder = true,
           .input_is_one_map = true,
-          // Images of strangers are decoded by a child without rights, baked files by the worker itself.
+          // Images of strangers are decoded by a child without rights. The worker itself would decode a baked file.
           .refused_inputs = {{".ndf.exr", "a map, not a baked file"}, {".toml", kNoScene}},
           .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
           .memory_bytes = 1024 * kMiB,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The types of jobs that multum's farm runs: a row for each of its commands that a service takes.
+// Lists the types of jobs that the farm of multum runs: a row for each command that a service accepts.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum openjd: writes another command's words as a job bundle for render farms.
+// multum openjd: writes another command as a job bundle for render farms.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,13 +22,14 @@
 #include "host/foundation/base/work_shard.h"
 #include "tools/multum/farm/farm_commands.h"
 #include "tools/multum/fields/field_commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What is started on a farm: it runs by itself, reads files and writes files.
+// Commands that a farm can run: they need no user, read files and write files.
 const std::set<std::string> kCommands = {"bake", "export", "infer", "pack", "mip", "reflectance", "tradeoff"};
 const std::set<std::string> kResumable = {"bake", "pack"};
 const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
@@ -37,11 +38,12 @@ const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report
 struct OpenJdOptions {
   CommonOptions common;
   std::string output, name;
-  int shards = 0;  // 0: one a map; of inference one
+  int shards = 0;  // 0: one per map; one for an inference
   std::vector<std::string> words;
 };
 
-// "--option=value" as two words, so that each path is a word's; a set that lies here as ./SET, so that it has a folder.
+// Splits "--option=value" into two words, so that each path is a word of its own. Writes a set in this folder as ./SET,
+// so that it has a folder.
 std::vector<std::string> split_words(const std::vector<std::string>& given) {
   std::vector<std::string> words;
   for (const std::string& word : given) {
@@ -71,12 +73,12 @@ std::string folder_of(const std::string& path) {
   return parent.empty() ? "." : parent.string();
 }
 
-// The path that a word stands for: a set is its folder, of FILE:CHANNEL it is the file.
+// The path of a word: the folder of a set, or the file of FILE:CHANNEL.
 std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std::size_t at) {
   const std::string& word = words[at];
   FarmWord found{at, word, false, at > 0 && kOutputOptions.contains(words[at - 1])};
   if (found.is_output && word != "-") {
-    // A name without an ending is a folder that the command makes.
+    // A name without an extension is a folder that the command makes.
     found.is_folder = is_folder(word) || fs::path(word).extension().empty();
     if (!has_udim(word)) return found;
   }
@@ -92,29 +94,29 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
   return found;
 }
 
-// Commands name what they work on first. A farm would find out on some worker, later.
+// Checks the first word after the command, which is its input, now and not later on a worker.
 void check_input_is_there(const std::vector<std::string>& words) {
   if (words.size() < 2 || words[1].starts_with('-') || has_udim(words[1]) || exists(words[1])) return;
-  throw Error(ErrorCode::kInput, words[1] + ": is not there, expected what " + words[0] + " is to read");
+  throw Error(ErrorCode::kInput, words[1] + ": does not exist, expected the input of " + words[0]);
 }
 
-// A parameter is the program.
+// One parameter of the job is the program; each path is another.
 void check_path_count(const FarmCommand& command, const std::string& kind) {
   constexpr std::size_t kPathsMax = kOpenJdParametersMax - 1;
   if (command.paths.size() <= kPathsMax) return;
   std::string message = fmt::format(
-      "{}: {} paths are given, expected at most {}: each is a parameter of the job, of which Open Job "
-      "Description 2023-09 allows {}",
+      "{}: found {} paths, expected at most {}: each is a parameter of the job, and Open Job Description 2023-09 "
+      "allows {}",
       kind, command.paths.size(), kPathsMax, kOpenJdParametersMax);
   if (kind == "bake" || kind == "export")
     message += fmt::format(
-        ". List the maps in a manifest, which has no limit: multum openjd -o FOLDER {} --manifest "
+        ". List the maps in a manifest, which has no such limit: multum openjd -o FOLDER {} --manifest "
         "maps.toml (docs/reference/manifests.md)",
         kind);
   throw Error(ErrorCode::kUsage, message);
 }
 
-// What merging shares of one map has no part in (docs/how-to/clusters.md, "One large map on many machines").
+// Throws Error(kUsage) for a bake whose map cannot be divided into shares (docs/how-to/clusters.md).
 void check_can_be_divided(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& value = i + 1 < words.size() ? words[i + 1] : words[i];
@@ -123,8 +125,8 @@ void check_can_be_divided(const std::vector<std::string>& words) {
         (words[i] == "--ndf" && (value == "moments" || value == "sh")) || (words[i] == "--lobes" && value == "1");
     if (has_no_bands)
       throw Error(ErrorCode::kUsage,
-                  "--shards of one map and " + words[i] +
-                      " are given, expected a bake of two lobes and more, without --refine, --onto, --target-error or "
+                  "found --shards of one map with " + words[i] +
+                      ", expected a bake of at least two lobes per texel without --refine, --onto, --target-error or "
                       "--budget-ms");
   }
 }
@@ -143,7 +145,7 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
     if (words[i - 1] == "-o" || words[i - 1] == "--output") pattern.output = words[i];
   }
   if (manifest.empty() && pattern.output.empty())
-    throw Error(ErrorCode::kUsage, "bake: found no --output, expected one, or --manifest");
+    throw Error(ErrorCode::kUsage, "bake: found no --output, expected --output or --manifest");
   if (!manifest.empty()) {
     BakedMaps baked;
     baked.is_manifest = true;
@@ -152,14 +154,14 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
   }
   for (const FarmWord& path : paths)
     if (!path.is_output && !words[path.word - 1].starts_with("--")) maps.push_back(words[path.word]);
-  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no map that is there, expected one, or --manifest");
+  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no existing map, expected one, or --manifest");
   if (maps.size() > 1 || !maps.front().ends_with(".toml")) return {make_bake_jobs(pattern, maps), false};
   BakedMaps scene{{}, true};
   for (SceneMap& map : read_scene(maps.front(), {}).maps) scene.jobs.push_back(std::move(map.job));
   return scene;
 }
 
-// All that a command reads beyond its words, and the folders that it writes to.
+// Collects the files that a command reads besides those of its words, and the folders that it writes to.
 void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   std::vector<std::string>& files = command.inputs;
   for (const FarmWord& path : command.paths) {
@@ -180,7 +182,7 @@ void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   }
 }
 
-// What a manifest of exports names, and where they go.
+// Collects the files and output folders of a manifest of exports.
 void collect_exports(FarmCommand& command) {
   const auto& words = command.words;
   const auto manifest = std::find(words.begin(), words.end(), "--manifest");
@@ -199,8 +201,8 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   for (std::size_t i = 1; i < command.words.size(); ++i) {
     if (command.words[i] == "--shard" || command.words[i] == "--merge")
       throw Error(ErrorCode::kUsage,
-                  command.words[i] + " is given, expected --shards N before " + kind + ": each task has its own");
-    if (command.words[i - 1] == "--threads") command.threads = std::stoi(command.words[i]);  // it was checked
+                  "found " + command.words[i] + ", expected --shards N before " + kind + ": each task gets its own");
+    if (command.words[i - 1] == "--threads") command.threads = std::stoi(command.words[i]);  // checked before
     if (auto path = path_of_word(command.words, i)) command.paths.push_back(std::move(*path));
   }
   check_path_count(command, kind);
@@ -212,7 +214,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   collect_files(command, bakes);
   collect_exports(command);
   const int pieces = std::max(1, static_cast<int>(bakes.jobs.size()));
-  // A manifest of one map has maps to share, not bands.
+  // A manifest is divided into maps, even if it has only one; a single map is divided into bands.
   command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene && !bakes.is_manifest;
   command.is_merged = bakes.is_scene || kind == "infer";
   command.shards = o.shards > 0 ? o.shards : pieces;
@@ -222,7 +224,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
                 fmt::format("--shards is {}, expected at most {}", command.shards, kMergedSharesMax));
   if (command.shards > pieces && !command.is_one_map && kind != "infer")
     throw Error(ErrorCode::kUsage,
-                fmt::format("--shards is {}, expected at most {}, the maps that are baked", command.shards, pieces));
+                fmt::format("--shards is {}, expected at most {}, the number of maps", command.shards, pieces));
   command.name = o.name.empty() ? "multum " + kind : o.name;
   return command;
 }
@@ -233,8 +235,8 @@ int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
     throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
   if (!kCommands.contains(o.words.front()))
     throw Error(ErrorCode::kUsage, o.words.front() +
-                                       " cannot be sent to a farm, expected bake, export, infer, pack, "
-                                       "mip, reflectance or tradeoff");
+                                       " cannot run on a farm, expected bake, export, infer, pack, mip, reflectance or "
+                                       "tradeoff");
   for (const std::string& word : o.words) check_openjd_text(word, word);
   check_words(o.words);
   const FarmCommand command = farm_command(o);
@@ -242,7 +244,8 @@ int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
   write_openjd_bundle(command, o.output);
   const int tasks = openjd_task_count(command);
   const std::size_t files = openjd_input_files(command).size();
-  if (!o.common.quiet)
+  if (o.common.json) print_json({{"output", path_json(o.output)}, {"tasks", tasks}, {"input_files", files}});
+  if (prints_text(o.common))
     print_shown(stdout, "%s: written; %d %s, %zu input %s\n", o.output.c_str(), tasks, tasks == 1 ? "task" : "tasks",
                 files, files == 1 ? "file" : "files");
   return 0;
@@ -253,20 +256,21 @@ int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
 void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   auto options = std::make_shared<OpenJdOptions>();
   CLI::App* openjd = app.add_subcommand(
-      "openjd",
-      "write another command as a job bundle of Open Job Description, for render farms (docs/how-to/clusters.md)\n"
+      "openjd", "write another command as an Open Job Description bundle for render farms (docs/how-to/clusters.md)");
+  openjd->footer(
+      "Examples:\n"
       "  multum openjd -o bundle bake --manifest maps.toml\n"
       "  multum openjd -o bundle --shards 8 bake cliff.png -o cliff.ndf.exr\n"
       "  multum openjd -o bundle --shards 16 infer animation.toml -o inferred");
   openjd->prefix_command();
   openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
   openjd
-      ->add_option(
-          "--shards", options->shards,
-          "tasks of several maps or a scene (default: one per map), or of inference (default: one); of one map: bands "
-          "that it is divided into (default: none)")
+      ->add_option("--shards", options->shards,
+                   "divide the work into this many tasks (default: one per map of several maps or a scene, one for an "
+                   "inference); "
+                   "one map: into this many bands (default: no bands)")
       ->check(CLI::Range(1, 999999));
-  openjd->add_option("--name", options->name, "of the job (default: the command's)");
+  openjd->add_option("--name", options->name, "set the name of the job (default: the name of the command)");
   add_common_options(*openjd, options->common);
   openjd->callback([openjd, options, exit_code, check_words] {
     options->words = openjd->remaining();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: the daemon. multum worker: what it starts, for it alone. multum slurm-task: what Slurm starts for it.
-// multum rescue: its damaged ledger.
+// multum serve: the daemon, and the rescue of its damaged ledger. Hidden commands: worker, which the daemon starts, and
+// slurm-task, which Slurm starts for it.
 #include <unistd.h>
 
 #include <cstdio>
@@ -34,10 +34,10 @@ struct ServeOptions {
   std::string listen, token_file;
   std::vector<std::string> roots;
   int workers = 0;
-  bool begins_anew = false;
+  bool begins_anew = false, rescues = false;
 };
 
-// The file's settings, and before them what the command line says.
+// Reads the settings file; options of the command line replace its settings.
 ServiceSettings settings_of(const ServeOptions& o) {
   ServiceSettings settings;
   settings.data = std::filesystem::absolute(o.data).string();
@@ -51,7 +51,7 @@ ServiceSettings settings_of(const ServeOptions& o) {
 
 int run_serve(const ServeOptions& o) {
   const ServiceSettings settings = settings_of(o);
-  prepare_kernel_caches();  // workers may write nowhere else, and each would say the same
+  prepare_kernel_caches();  // before workers lose the right to write there
   const int cores = processor_count();
   const int threads = settings.threads_a_worker > 0 ? settings.threads_a_worker : std::max(1, cores / settings.workers);
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
@@ -68,8 +68,14 @@ int run_rescue(const std::string& data) {
   for (const RescueReport::Table& table : report.tables)
     print_shown(stdout, "%-10s %lld rows saved, %lld were damaged\n", table.name.c_str(),
                 static_cast<long long>(table.saved), static_cast<long long>(table.damaged));
-  print_shown(stdout, "the ledger before is %s\n", report.kept.c_str());
+  print_shown(stdout, "the damaged ledger is kept as %s\n", report.kept.c_str());
   return 0;
+}
+
+void check_rescue(const ServeOptions& o) {
+  if (o.begins_anew || o.workers > 0 || !o.config.empty() || !o.listen.empty() || !o.token_file.empty() ||
+      !o.roots.empty())
+    throw Error(ErrorCode::kUsage, "found other options with --rescue, expected only --data: no service is started");
 }
 
 struct WorkerOptions {
@@ -78,8 +84,8 @@ struct WorkerOptions {
   std::vector<std::string> roots;
 };
 
-// Of a job there is nothing to open but below the roots, and in the daemon's data what jobs have to do with: whatever a
-// picture, a scene or a link leads to.
+// A job may open files only below the roots, and in those folders of the daemon's data that jobs use. So no picture,
+// scene or link leads anywhere else.
 void confine_worker(const WorkerOptions& o, const std::string& scratch) {
   Confinement allowed = system_confinement(variable);
   allowed.writable.insert(allowed.writable.end(), o.roots.begin(), o.roots.end());
@@ -89,7 +95,7 @@ void confine_worker(const WorkerOptions& o, const std::string& scratch) {
 }
 
 int run_worker_process(const WorkerOptions& o) {
-  // When memory runs out, a worker goes before the daemon does.
+  // When memory runs out, the kernel kills a worker before the daemon.
   std::ofstream("/proc/self/oom_score_adj") << 500;
   keep_freed_memory();
   const std::string scratch = o.data + "/scratch";
@@ -104,7 +110,7 @@ int run_worker_process(const WorkerOptions& o) {
                     });
 }
 
-// SLURM_ARRAY_TASK_ID: which task of an array this one is.
+// SLURM_ARRAY_TASK_ID is the number of this task in its array.
 int run_task(const std::string& batch) {
   const std::string task = variable("SLURM_ARRAY_TASK_ID");
   std::optional<int> item;
@@ -126,7 +132,7 @@ struct ConfinedOptions {
   std::vector<std::string> readable, writable, command;
 };
 
-// Becomes another program, which sees little of the machine.
+// Confines this process and replaces it by another program.
 int run_confined(const ConfinedOptions& o) {
   Confinement allowed = system_confinement(variable);
   allowed.readable.insert(allowed.readable.end(), o.readable.begin(), o.readable.end());
@@ -144,27 +150,30 @@ int run_confined(const ConfinedOptions& o) {
 void add_serve_commands(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* serve =
-      app.add_subcommand("serve", "run a service that bakes what clients submit (docs/reference/service.md)");
+      app.add_subcommand("serve", "run a service that bakes maps for its clients (docs/reference/service.md)");
   serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; created if missing")->required();
-  serve->add_option("--listen", options->listen, "HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
+  serve->add_option("--listen", options->listen,
+                    "listen on HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder below which jobs may read and write; repeatable; must hold nothing of the service's own")
+                   "folder below which jobs may read and write; repeatable; must not hold files of the service")
       ->allow_extra_args(false);
-  serve->add_option("--workers", options->workers, "number of bakes at a time (default: 2)")->check(CLI::Range(1, 256));
+  serve->add_option("--workers", options->workers, "run this many jobs at once (default: 2)")
+      ->check(CLI::Range(1, 256));
   serve->add_option("--token-file", options->token_file, "file whose first line is the token that clients must send");
-  serve->add_option("--config", options->config, "settings file, TOML; options take precedence over it");
-  serve->add_flag("--new-ledger", options->begins_anew,
-                  "begin a new ledger in a folder whose ledger is lost; removes nothing");
-  serve->callback([options, exit_code] { *exit_code = run_serve(*options); });
+  serve->add_option("--config", options->config, "settings file, TOML; options replace its settings");
+  CLI::Option* const begins_anew = serve->add_flag("--new-ledger", options->begins_anew,
+                                                   "begin a new ledger if the ledger is lost; removes no files");
+  serve
+      ->add_flag("--rescue", options->rescues,
+                 "copy the readable jobs of a damaged ledger into a new one, and exit; stop the service first")
+      ->excludes(begins_anew);
+  serve->callback([options, exit_code] {
+    if (options->rescues) check_rescue(*options);
+    *exit_code = options->rescues ? run_rescue(options->data) : run_serve(*options);
+  });
 
-  auto data = std::make_shared<std::string>();
-  CLI::App* rescue = app.add_subcommand(
-      "rescue", "save what can be read of a service's damaged ledger into a new one (docs/reference/service.md)");
-  rescue->add_option("data", *data, "folder of the service, which must not run")->required();
-  rescue->callback([data, exit_code] { *exit_code = run_rescue(*data); });
-
-  // Not in the help: the service starts them itself.
+  // Hidden commands, which the service starts.
   auto own = std::make_shared<WorkerOptions>();
   CLI::App* worker = app.add_subcommand("worker", "");
   worker->group("");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum animation: the job file of a folder of renders, to be looked over and edited before textures are inferred.
+// multum animation: writes the job file of a folder of renders, for review and edits before the inference.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -10,15 +10,17 @@
 #include "host/foundation/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/fields/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
 
 struct AnimationOptions {
   std::string folder, output;
+  bool json = false;
 };
 
-// Never in the place of a render: none of them is TOML, but a name may be mistyped.
+// Throws Error(kUsage) if a mistyped output would overwrite a render.
 void check_output(const AnimationJob& job, const AnimationOptions& o) {
   std::vector<std::string> inputs = {o.folder + "/scene.json", job.geometry_file};
   for (const AnimationSample& sample : job.samples)
@@ -31,6 +33,16 @@ int run_animation(const AnimationOptions& o) {
   const AnimationJob job = job_for_folder(o.folder);
   check_output(job, o);
   write_text_file(o.output, animation_job_text(job, std::filesystem::path(o.output).parent_path().string()));
+  if (o.json) {
+    print_json({{"output", path_json(o.output)},
+                {"samples", job.samples.size()},
+                {"cameras", job.cameras.size()},
+                {"objects", job.objects.size()},
+                {"layers", job.layers.size()},
+                {"width", job.width},
+                {"height", job.height}});
+    return 0;
+  }
   print_shown(stdout,
               "%s: written: %zu samples (%s %d x %s %d), %zu cameras, %zu objects, %zu layers, %d x %d pixels\n",
               o.output.c_str(), job.samples.size(), job.parameters[0].name.c_str(), job.parameters[0].count,
@@ -44,9 +56,13 @@ int run_animation(const AnimationOptions& o) {
 void add_animation_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<AnimationOptions>();
   CLI::App* animation = app.add_subcommand(
-      "animation", "write the job file of a folder of ray-traced pictures (docs/reference/animation_jobs.md)");
-  animation->add_option("folder", options->folder, "scene.json beside a scene file and pictures by sample")->required();
+      "animation", "write the job file for a folder of ray-traced pictures (docs/reference/animation_jobs.md)");
+  animation->footer("Example:\n  multum animation renders -o animation.toml");
+  animation
+      ->add_option("folder", options->folder, "folder with scene.json, a scene file and the pictures of each sample")
+      ->required();
   animation->add_option("-o,--output", options->output, "job file to write, *.toml")->required();
+  add_json_option(*animation, options->json);
   add_decoding_option(*animation);
   animation->callback([options, exit_code] { *exit_code = run_animation(*options); });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of `multum` for fields.
+// Declares the subcommands of `multum` for fields.
 #pragma once
 
 #include "tools/multum/commands.h"

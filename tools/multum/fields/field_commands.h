@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that the rest of `multum` knows of fields. A build without them (CMake option MULTUM_FIELDS) has
+// Everything that the rest of `multum` knows about fields. A build without fields (CMake option MULTUM_FIELDS) has
 // no_field_commands.cpp instead.
 #pragma once
 
@@ -9,15 +9,19 @@
 #include <vector>
 
 #include "host/formats/asset/baked_verify.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 
 /// Adds animation, infer, pack, unpack and player, and the numerical cases of their kernels.
 void add_field_commands(CLI::App& app, int* exit_code);
 
-/// What `multum info` prints of a packed field; unset: the file is none. Throws Error(kInput) for a damaged one.
+/// The text of `multum info` about a packed field, or nullopt for any other file. Throws Error(kInput) for a damaged
+/// one.
 std::optional<std::string> packed_field_info(const std::string& path);
-/// What `multum verify` finds in a packed field; unset: the file is none.
+/// The document of `multum info --json` about a packed field, or nullopt for any other file.
+std::optional<OrderedJson> packed_field_json(const std::string& path);
+/// The findings of `multum verify` about a packed field, or nullopt for any other file.
 std::optional<std::vector<VerifyFinding>> packed_field_findings(const std::string& path);
 
 /// The files that a job of texture inference names. Throws Error(kInput) for a job that cannot be read.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum infer: textures from ray-traced pictures (Hakura et al. 2000, section 3).
+// multum infer: infers textures from ray-traced pictures (Hakura et al. 2000, section 3).
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -22,6 +22,7 @@
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/fields/commands.h"
+#include "tools/multum/json_output.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -58,16 +59,16 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
     if (!texture.file.empty()) (texture.was_there ? there : written) += 1;
   const StageSeconds& s = report.result.seconds;
   print_shown(stdout,
-              "%s: %d textures written, %d there already; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
+              "%s: %d textures written, %d already there; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
               "systems %.1f s, solving %.1f s, baseline %.1f s, frames %.1f s; %llu of %llu rows rejected\n",
               o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving,
               s.baseline, s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
               static_cast<unsigned long long>(report.result.rows));
-  print_shown(stdout, "%s%s/report.html: pictures and tables; report.json beside it has every figure\n",
+  print_shown(stdout, "%s%s/report.html: pictures and tables; report.json next to it has all figures\n",
               inference_report_text(report).c_str(), o.settings.output.c_str());
 }
 
-// Frames, the comparison of samplers and the report, of all textures.
+// Draws frames, compares samplers and writes the report of all textures.
 void finish(InferOptions& o, const ParameterizedScene& field, int sample, AnimationInferResult& result,
             Progress* progress) {
   const bool has_frames = !o.values.flag("no_frames"), has_comparison = !o.values.flag("no_comparison");
@@ -83,19 +84,24 @@ void finish(InferOptions& o, const ParameterizedScene& field, int sample, Animat
   const InferenceReport report = {
       field.job(), o.settings, result, sample, has_frames ? &frames : nullptr, has_comparison ? &comparison : nullptr};
   write_inference_report(field, report);
-  if (!o.common.quiet) print_results(o, report);
+  if (o.common.json) print_json(parsed(inference_report_json(report)));
+  if (prints_text(o.common)) print_results(o, report);
 }
 
 void infer_shares(const InferOptions& o, const ParameterizedScene& field, const WorkShard& shares) {
+  OrderedJson rows = OrderedJson::array();
   for (int i = shares.first; i <= shares.last; ++i) {
     openjd_part(static_cast<std::size_t>(i - shares.first), static_cast<std::size_t>(shares.last - shares.first + 1));
     const std::unique_ptr<Progress> progress = make_progress(o.common);
     const InferenceShareResult result = infer_share(field, o.settings, {i, shares.count}, progress.get());
     progress_finish(progress.get());
-    if (!o.common.quiet)
+    if (prints_text(o.common))
       print_shown(stdout, "share %d of %d: %d texture%s, %s\n", i, shares.count, result.textures,
                   result.textures == 1 ? "" : "s", result.was_there ? "unchanged" : "written");
+    rows.push_back(
+        {{"share", i}, {"of", shares.count}, {"textures", result.textures}, {"unchanged", result.was_there}});
   }
+  if (o.common.json) print_json({{"shares", rows}});
 }
 
 int run_infer(InferOptions& o) {
@@ -125,14 +131,14 @@ void add_infer_command(CLI::App& app, int* exit_code) {
   InferOptions& o = *options;
   CLI::App* infer =
       app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/reference/animation_jobs.md)");
+  infer->footer("Example:\n  multum infer animation.toml -o inferred");
   infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
   infer->add_option("--shard", o.shard,
-                    "infer the textures of share I of N alone, I/N, or of shares I to J, I-J/N, into the same folder: "
-                    "for farms (docs/how-to/clusters.md)");
+                    "infer only the textures of share I of N (I/N), or of shares I to J (I-J/N), into the same folder");
   infer
       ->add_option("--merge", o.merged_shards,
-                   "check what shares 1/N to N/N inferred, and write the manifest, frames and report")
+                   "check the textures of shares 1/N to N/N, and write manifest, frames and report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*infer, o.values);

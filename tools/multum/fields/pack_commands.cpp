@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack, unpack: inferred textures of an animation as one small file, and back (Hakura et al. 2000, section 4).
+// multum pack, unpack: compress the inferred textures of an animation to one file, and decompress it (Hakura et al.
+// 2000, section 4).
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "host/foundation/parameters/pack_parameters.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/fields/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -56,7 +58,7 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
-// "FOLDER/inferred.json" is FOLDER: jobs of the service name files.
+// FOLDER for "FOLDER/inferred.json", which jobs of the service name.
 std::string field_folder(const std::string& named) {
   const std::filesystem::path path(named);
   if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;
@@ -65,7 +67,7 @@ std::string field_folder(const std::string& named) {
 
 void print_parts(const FieldPackReport& report) {
   if (report.chunks_resumed > 0)
-    print_shown(stdout, "%zu times a chunk was taken from a packing that was stopped\n", report.chunks_resumed);
+    print_shown(stdout, "%zu chunks were taken from a stopped packing\n", report.chunks_resumed);
   for (const PackedObjectReport& object : report.objects)
     print_shown(stdout, "object '%s': MSE %.3f of its pixels, %.2f of the mean; lambda %.5g\n", object.object.c_str(),
                 object.mse, object.mse / report.mse_covered, object.lambda);
@@ -78,22 +80,48 @@ void warn_of_errors(const PackOptions& o, const FieldPackReport& report) {
   if (!report.is_alpha_met)
     log_warning(
         o.settings.output,
-        fmt::format("an object's error is above --alpha {:g} times the mean: --verbose lists them", o.settings.alpha));
+        fmt::format("the error of an object is above --alpha {:g} times the mean error; --verbose lists the objects",
+                    o.settings.alpha));
   if (!report.inferred_mse && o.settings.target.is_default())
     log_warning(
         o.settings.output,
-        fmt::format(
-            "packed at {:g}:1, with an MSE of about {:.3g} added, whatever the error of the inferred textures: {}/{} "
-            "does not tell it. Run multum infer again, or choose a size or an error: --ratio, --bytes, --mse-max",
-            kDefaultRatio, report.mse, o.settings.folder, kInferenceReportName));
+        fmt::format("{}/{} does not state the error of the inferred textures, so packing at {:g}:1 added an MSE of "
+                    "about {:.3g} "
+                    "unchecked. Run multum infer again, or choose a size or an error: --ratio, --bytes, --mse-max",
+                    o.settings.folder, kInferenceReportName, kDefaultRatio, report.mse));
   if (report.is_error_large)
-    log_warning(
-        o.settings.output,
-        fmt::format("packing adds an MSE of about {:.3g}, {:.3g} times the error of the inferred textures "
-                    "({:.3g}). {}",
-                    report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
-                    o.settings.target.is_default() ? "It was to stay below 3 times: less was not found"
-                                                   : "To stay below 3 times, leave --ratio, --bytes and --lambda out"));
+    log_warning(o.settings.output,
+                fmt::format("packing adds an MSE of about {:.3g}, {:.3g} times the error of the inferred textures "
+                            "({:.3g}). {}",
+                            report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
+                            o.settings.target.is_default()
+                                ? "No smaller error was found; the limit is 3 times"
+                                : "Without --ratio, --bytes and --lambda, packing stays below 3 times"));
+}
+
+OrderedJson pack_json(const PackOptions& o, const FieldPackReport& report) {
+  OrderedJson json = {{"output", path_json(o.settings.output)},
+                      {"bytes", report.bytes},
+                      {"raw_bytes", report.raw_bytes},
+                      {"description_bytes", report.description_bytes},
+                      {"mse_added", report.mse},
+                      {"lambda", report.lambda},
+                      {"rounds", report.rounds},
+                      {"chunks_resumed", report.chunks_resumed},
+                      {"is_alpha_met", report.is_alpha_met},
+                      {"is_error_large", report.is_error_large},
+                      {"objects", OrderedJson::array()},
+                      {"chunks", OrderedJson::array()}};
+  if (report.inferred_mse) json["inferred_mse"] = *report.inferred_mse;
+  for (const PackedObjectReport& object : report.objects)
+    json["objects"].push_back({{"object", object.object}, {"mse", object.mse}, {"lambda", object.lambda}});
+  for (const PackedChunkReport& chunk : report.chunks)
+    json["chunks"].push_back({{"object", chunk.object},
+                              {"layer", chunk.layer},
+                              {"block", chunk.block},
+                              {"bytes", chunk.bytes},
+                              {"mse", chunk.mse}});
+  return json;
 }
 
 int run_pack(PackOptions& o) {
@@ -107,24 +135,25 @@ int run_pack(PackOptions& o) {
   o.settings.transforms = &transforms;
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
-  if (o.common.verbose) print_parts(report);
+  if (o.common.verbose && !o.common.json) print_parts(report);
   warn_of_errors(o, report);
-  if (!o.common.quiet)
+  if (prints_text(o.common))
     print_shown(stdout,
-                "%s: written: %llu bytes, %.1f:1 of raw frames; %llu of description, %zu chunks; MSE of about %.2f "
-                "beside the textures' own; lambda %.5g, coded %d times\n",
+                "%s: written: %llu bytes, %.1f:1 of raw frames; %llu bytes of description, %zu chunks; adds an MSE of "
+                "about %.2f; lambda %.5g, coded %d times\n",
                 o.settings.output.c_str(), static_cast<unsigned long long>(report.bytes),
                 static_cast<double>(report.raw_bytes) / static_cast<double>(report.bytes),
                 static_cast<unsigned long long>(report.description_bytes), report.chunks.size(), report.mse,
                 report.lambda, report.rounds);
-  if (!o.common.quiet && report.has_given_way)
+  if (prints_text(o.common) && report.has_given_way)
     print_shown(stdout,
                 "%s: %g:1 would add more than %g times the error of the inferred textures (MSE %.3g), so the file is "
-                "larger; --ratio %g holds the ratio\n",
+                "larger; --ratio %g keeps the ratio\n",
                 o.settings.output.c_str(), kDefaultRatio, kAddedErrorMax, *report.inferred_mse, kDefaultRatio);
   write_player(o.settings.output, o.player);
   for (const std::string& written : {o.player.folder, o.player.page})
-    if (!written.empty() && !o.common.quiet) print_shown(stdout, "%s: written: the player\n", written.c_str());
+    if (!written.empty() && prints_text(o.common)) print_shown(stdout, "%s: written: the player\n", written.c_str());
+  if (o.common.json) print_json(pack_json(o, report));
   return 0;
 }
 
@@ -132,10 +161,15 @@ int run_unpack(const UnpackOptions& o) {
   const int threads = apply(o.common);
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const UnpackReport report = unpack_field(o.file, o.folder, threads, progress.get());
-  if (!o.common.quiet)
+  if (o.common.json)
+    print_json({{"output", path_json(o.folder)},
+                {"textures", report.textures},
+                {"chunks", report.chunks},
+                {"damaged", report.damaged}});
+  if (prints_text(o.common))
     print_shown(stdout, "%s: written: %zu textures of %zu chunks\n", o.folder.c_str(), report.textures, report.chunks);
   if (report.damaged.empty()) return 0;
-  std::string text = "left out, all else is unpacked:";
+  std::string text = "damaged chunks were left out, everything else is unpacked:";
   for (const std::string& damaged : report.damaged) text += "\n  " + damaged;
   throw Error(ErrorCode::kVerification, text);
 }
@@ -145,12 +179,21 @@ void add_pack(CLI::App& app, int* exit_code) {
   PackOptions& o = *options;
   CLI::App* pack = app.add_subcommand(
       "pack", "compress the textures of `multum infer` to one file (docs/reference/animation_jobs.md)");
-  pack->add_option("folder", o.settings.folder, "folder that `multum infer` wrote, or its inferred.json")->required();
+  pack->footer(
+      "Example:\n"
+      "  multum pack inferred -o field.mpt --page field.html\n"
+      "Give at most one of --ratio, --bytes, --mse-max and --lambda. With --lambda everything is coded once,\n"
+      "otherwise several times. A page holds at most 16 MiB of field and geometry. Too little --memory for one\n"
+      "chunk is refused, and the message says how much is needed. Threads, memory and device change no byte.\n"
+      "--verbose prints the bytes and the error of every chunk.");
+  pack->add_option("folder", o.settings.folder, "folder of `multum infer`, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
-  pack->add_option("--player", o.player.folder, "folder to write a player for browsers to, for any static server");
-  pack->add_option("--page", o.player.page, "page to write, *.html: player, field and geometry in one file");
+  pack->add_option("--player", o.player.folder,
+                   "also write a player for browsers to this folder, for any static server");
+  pack->add_option("--page", o.player.page, "also write this page, *.html: player, field and geometry in one file");
   add_parameter_options(*pack, o.values);
-  pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, else part of its name");
+  pack->add_option("--device", o.device,
+                   "use this OpenCL device: its number in `multum devices`, or a part of its name");
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }
@@ -158,8 +201,12 @@ void add_pack(CLI::App& app, int* exit_code) {
 void add_unpack(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<UnpackOptions>();
   CLI::App* unpack =
-      app.add_subcommand("unpack", "textures and manifest of a packed field, as `multum infer` has them");
-  unpack->add_option("file", options->file, "a packed field, *.mpt")->required();
+      app.add_subcommand("unpack", "decompress a packed field to the textures and manifest of `multum infer`");
+  unpack->footer(
+      "Example:\n"
+      "  multum unpack field.mpt -o unpacked\n"
+      "A folder that already has an inferred.json is refused.");
+  unpack->add_option("file", options->file, "packed field, *.mpt")->required();
   unpack->add_option("-o,--output", options->folder, "folder to write to")->required();
   add_common_options(*unpack, options->common);
   unpack->callback([options, exit_code] { *exit_code = run_unpack(*options); });

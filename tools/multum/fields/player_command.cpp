@@ -11,6 +11,7 @@
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/sandbox/path_roots.h"
 #include "tools/multum/fields/commands.h"
+#include "tools/multum/json_output.h"
 
 namespace multum {
 namespace {
@@ -30,7 +31,8 @@ int run_player(const PlayerOptions& o) {
   check_paths_differ({o.field}, {o.output});
   check_player_output(output);
   write_player(o.field, output);
-  if (!o.common.quiet) print_shown(stdout, "%s: written: the player\n", o.output.c_str());
+  if (o.common.json) print_json({{"output", path_json(o.output)}});
+  if (prints_text(o.common)) print_shown(stdout, "%s: written: the player\n", o.output.c_str());
   return 0;
 }
 
@@ -38,11 +40,12 @@ int run_player(const PlayerOptions& o) {
 
 void add_player_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PlayerOptions>();
-  CLI::App* player =
-      app.add_subcommand("player", "a packed field with its player for browsers (docs/reference/animation_jobs.md)");
-  player->add_option("field", options->field, "a packed field, *.mpt")->required();
+  CLI::App* player = app.add_subcommand(
+      "player", "publish a packed field with its player for browsers (docs/reference/animation_jobs.md)");
+  player->footer("Example:\n  multum player field.mpt -o field.html");
+  player->add_option("field", options->field, "packed field, *.mpt")->required();
   player->add_option("-o,--output", options->output, "folder for any static server, or one page, *.html")->required();
-  // Of the service, for fields of its clients: what they name is looked at below these alone.
+  // The service passes its roots: files that a field names are opened below them only.
   player->add_option("--root", options->roots)->allow_extra_args(false)->group("");
   add_common_options(*player, options->common);
   player->callback([options, exit_code] { *exit_code = run_player(*options); });

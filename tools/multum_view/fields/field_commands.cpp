@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of multum-view that draw inferred textures and packed fields.
+// Lists the subcommands of multum-view that draw inferred textures and packed fields.
 #include <filesystem>
 
 #include "host/fields/inferred/inferred_texture.h"
@@ -15,23 +15,33 @@ std::vector<ViewCommand> field_commands() {
       {"sample", "Draw samples of an animation with textures of `multum infer` or `multum pack`",
        "  multum-view sample out/ --at 3,5 -o frame.png\n"
        "  multum-view sample field.mpt --at 3,5 -o frame.png\n"
-       "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr",
+       "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr\n\n"
+       "Chunks of a packed field are decoded when a sample needs them. Damaged chunks are left out and named; the\n"
+       "exit code is then 5.",
        [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
-      {"play", "Draw frames along a path through the parameters of a packed animation, decoding as it goes",
+      {"play", "Draw frames along a path through the parameters of a packed field, and decode it on the way",
        "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
-       "A path sets each parameter to a sample's index, 0 for the first sample. Parameters that it leaves out stay at "
-       "0;\n"
-       "values beyond the samples are clamped. A value may use numbers, + - * / ( ), sin, cos, pi and t, the seconds\n"
-       "since the first frame (--rate); a..b runs from a in the first frame to b in the last. Between samples the\n"
-       "camera and objects move smoothly; textures come from the nearest sample, or are mixed with --linear.\n"
-       "FILE.json, a path saved by a player's page, is replayed as recorded; if --frames asks for more frames, the\n"
-       "path starts again.",
+       "A path gives each parameter the index of a sample, from 0, such as 2.5. Other parameters stay at 0. An\n"
+       "index beyond the last sample counts as the last one. A value is made of numbers, + - * / ( ), sin, cos, pi\n"
+       "and t, the seconds since the first frame (--rate). a..b goes from a in the first frame to b in the last.\n"
+       "Between samples, camera and objects move smoothly. Textures come from the nearest sample, or from a mix\n"
+       "with --linear. With --linear, gamma-coded values are mixed, and samples of another texture size are left\n"
+       "out.\n\n"
+       "Without --no-wait a frame waits for all of its images; threads and memory change no picture. --memory is\n"
+       "never exceeded: a chunk may take a quarter of it, and a chunk that needs more is left out and named.\n"
+       "--upload does not count the coarsest image of each layer. An image of S samples has level log4(S) for\n"
+       "--lifetime-factor.\n\n"
+       "The debug picture has a band per layer, from the top: green for available images, yellow for the share\n"
+       "that was late, red for images of an earlier frame. Below, a pixel each, are decoded images (blue), decoded\n"
+       "chunks (violet) and memory (white at its peak).\n\n"
+       "FILE.json is a path that the player in a browser saved. If --frames is longer than that path, it starts\n"
+       "again.",
        [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
        [](const CommandOptions& o) { return play_field(o.play); }},
-      {"probe", "Measure filter matrices for texture inference: the weight that GL's sampler gives each texel",
-       "  multum-view probe request.json          `multum infer` starts this command; "
-       "docs/reference/inferred_textures.md describes the request",
+      {"probe", "Measure the weights of the GL texture filter for texture inference",
+       "  multum-view probe request.json\n\n"
+       "`multum infer` runs this command. docs/reference/inferred_textures.md describes the request.",
        [](CLI::App& app, CommandOptions& o) { add_probe_options(app, o.probe); },
        [](const CommandOptions& o) { return measure_filter_matrices(o.probe); }}};
 }

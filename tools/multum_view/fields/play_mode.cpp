@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFrames = 24, kFramesMax = 9999;  // frame names have four digits
+constexpr int kFrames = 24, kFramesMax = 9999;  // as many as their names have digits for
 
 std::string played_frame_path(const PlayOptions& options, int frame) {
   return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
@@ -59,7 +59,7 @@ gl::PlayerSettings player_settings(const PlayOptions& options) {
   return settings;
 }
 
-/// Returns the parameter points of all frames.
+/// Points of all frames.
 std::vector<std::vector<double>> points_of(const PlayOptions& options, const ParameterPath& path) {
   const int count = options.frame_count > 0 ? options.frame_count : kFrames;
   std::vector<std::vector<double>> points;
@@ -75,7 +75,7 @@ std::vector<std::vector<double>> points_of(const PlayOptions& options, const Rec
   const double all = std::max(1.0, std::ceil(path.seconds() * rate));
   if (options.frame_count == 0 && all > kFramesMax)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {:g} s are {:.0f} frames, expected at most {}; give --frames, or a lower --rate",
+                fmt::format("{}: {:g} s are {:.0f} frames, expected up to {}: give --frames, or a lower --rate",
                             options.path, path.seconds(), all, kFramesMax));
   const int count = options.frame_count > 0 ? options.frame_count : static_cast<int>(all);
   std::vector<std::vector<double>> points;
@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns the `p` quantile of the values, `p` in 0..1, by the nearest rank.
+/// p of the values, 0..1, the nearest rank.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
@@ -112,7 +112,7 @@ json times_json(const std::vector<double>& seconds) {
           {"max_ms", 1e3 * quantile(seconds, 1.0)}};
 }
 
-/// Draws the frames and records the time of each.
+/// Draws the frames, and remembers what each took.
 class PathPlayer {
  public:
   PathPlayer(const gl::GlFunctions& gl, const PlayOptions& options, const gl::PlayerSettings& settings)
@@ -223,48 +223,49 @@ class PathPlayer {
 }  // namespace
 
 void add_play_options(CLI::App& app, PlayOptions& options) {
-  app.add_option("file", options.file, "a file of multum pack, *.mpt")->required();
-  app.add_option("--path", options.path,
-                 "value of each parameter, such as 'view=0..7,light=3.5+3.5*sin(t)' (see below), or FILE.json, a path "
-                 "saved by a player's page")
+  app.add_option("file", options.file, "packed field, *.mpt")->required();
+  app.add_option(
+         "--path", options.path,
+         "set the value of each parameter, such as 'view=0..7,light=3.5+3.5*sin(t)', or FILE.json, a path that the "
+         "player in a browser saved")
       ->required();
   app.add_option("-o,--output", options.folder, "folder for frame_0000.png and so on, and statistics.json")->required();
   app.add_option("--frames", options.frame_count,
-                 fmt::format("number of frames (default: {}, or all frames of FILE.json)", kFrames))
+                 fmt::format("draw this many frames (default: {}, or all of FILE.json)", kFrames))
       ->check(CLI::Range(1, kFramesMax));
-  app.add_option("--rate", options.rate, "frames per second of the path's time t")
+  app.add_option("--rate", options.rate, "set the frames per second of the time t")
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
   app.add_option("--supersampling", options.supersampling,
-                 "sub-pixels along each side of a pixel (default: the field's own number)")
+                 "draw this many sub-pixels along each side of a pixel (default: as the field says)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
-               "mix the samples around a point along each parameter, instead of taking the nearest");
-  app.add_flag(
-      "--no-wait", options.draws_what_is_there,
-      "draw each frame with the images decoded so far, coarsest first; the pictures depend on the machine's speed");
-  app.add_flag("--cold", options.is_cold,
-               "forget all decoded data before each frame, which measures the cost of a jump");
-  app.add_option("--ahead", options.ahead, "number of frames ahead on the path that are also decoded")
+               "mix the samples around a point linearly along each parameter, instead of the nearest sample");
+  app.add_flag("--no-wait", options.draws_what_is_there,
+               "draw decoded images only, coarsest first, without waiting; pictures then depend on the speed of the "
+               "machine");
+  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure a jump");
+  app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--memory", options.memory, "most memory for decoded data: 800M, 2G")->capture_default_str();
-  app.add_option("--upload", options.upload, "most bytes uploaded to the GPU per frame, with --no-wait")
+  app.add_option("--memory", options.memory, "keep decoded data within this memory, GPU included, such as 800M or 2G")
       ->capture_default_str();
-  app.add_option("--lifetime", options.lifetime, "number of frames for which an unused image of one sample is kept")
+  app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
+      ->capture_default_str();
+  app.add_option("--lifetime", options.lifetime, "keep an unused image of one sample for this many frames")
       ->check(number_in(0.0f, 1e6f))
       ->capture_default_str();
   app.add_option("--lifetime-factor", options.lifetime_factor,
-                 "factor on --lifetime for each coarser level of the pyramid")
+                 "keep images of each coarser level of the pyramid this many times longer")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "threads for decoding; 0: all cores")
+  app.add_option("--threads", options.threads, "decode with this many threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--debug-picture", options.debug_picture,
-                 "picture of the playback, one column per frame: each layer's available images, decoded images and "
-                 "chunks, memory");
-  app.add_option("--exposure", options.exposure, "brightness of the frames")
+                 "write a picture of the playback, one column per frame: available and late images per layer, decoded "
+                 "images, memory");
+  app.add_option("--exposure", options.exposure, "multiply the brightness of the frames by this")
       ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();
   add_context_option(app, options.context);
@@ -272,13 +273,13 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
 
 int play_field(const PlayOptions& options) {
   if (!is_packed_field(options.file))
-    throw Error(ErrorCode::kInput, options.file + ": is not a packed field, expected a file of multum pack");
+    throw Error(ErrorCode::kInput, options.file + ": is no packed field, expected a file of multum pack");
   if (!options.debug_picture.empty()) check_picture_path(options.debug_picture);
   const gl::PlayerSettings settings = player_settings(options);
   const InferredManifest field = PackedFieldFile(options.file).description().field;
   const std::vector<std::vector<double>> points = path_points(options, field.parameters);
   check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string(), points.size());
-  keep_freed_memory();  // the memory of each decoded image
+  keep_freed_memory();  // of each image that is decoded
   const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   log_info(context->description());
   PathPlayer player(context->functions(), options, settings);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view probe: measures the filter matrices that a request file lists, and writes them into files. It runs as a
-// process of its own, so that a driver's crash ends only the measurement.
+// multum-view probe: measures the filter matrices that a request in a file asks for, and writes them into files. A
+// process of its own, so that a driver's crash ends it alone.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -29,9 +29,8 @@ std::string matrices_hash(const std::vector<gl::PlacedMesh>& placed) {
   return hash.finish();
 }
 
-// Returns the object of each task. Before anything is measured, it refuses tasks that could not finish, and output
-// files
-// that would overwrite each other or an input.
+// The object of each task. Refuses, before anything is measured, what would end the run at a later task, and files that
+// would overwrite each other or what is read.
 std::vector<std::size_t> check_tasks(const ProbeRequest& request, const ProbeOptions& options,
                                      const std::vector<ObjectMesh>& meshes) {
   std::vector<std::size_t> objects;
@@ -53,7 +52,7 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
   log_info(context->description());
   const gl::GlFunctions& gl = context->functions();
   const gl::FilterProbe probe(gl, request.width, request.height, request.supersampling);
-  // The other objects only hide what is behind them, so their own coordinates are enough.
+  // The others only hide what is behind: their own coordinates do.
   std::vector<std::unique_ptr<gl::Mesh>> plain;
   std::vector<gl::PlacedMesh> placed;
   for (const ObjectMesh& mesh : meshes) {
@@ -88,9 +87,10 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
 }  // namespace
 
 void add_probe_options(CLI::App& app, ProbeOptions& options) {
-  app.add_option("request", options.request, "request, JSON (docs/reference/inferred_textures.md)")->required();
-  app.add_option("--threads", options.threads, "threads for decoding (default: all cores)")->check(CLI::Range(1, 1024));
-  app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text: OUTPUT.mtx");
+  app.add_option("request", options.request, "request to read, JSON (docs/reference/inferred_textures.md)")->required();
+  app.add_option("--threads", options.threads, "use this many threads (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text, OUTPUT.mtx");
   add_context_option(app, options.context);
 }
 

@@ -19,12 +19,12 @@ namespace multum {
 
 void add_lod_options(CLI::App& app, LodOptions& options) {
   PictureOptions& picture = options.picture;
-  app.add_option("file", options.file, "pyramid of heights or positions, as multum lod writes it")->required();
+  app.add_option("file", options.file, "pyramid of heights or positions of `multum lod`")->required();
   add_picture_option(app, picture.output)->required();
   add_detail_options(app, options.detail);
   app.add_option(
          "--patches", options.patch_steps,
-         "use the level's points as control points of bicubic B-spline patches, with this many cells along each side")
+         "use the points of the level as control points of bicubic B-spline patches with this many cells per side")
       ->check(CLI::Range(1, kPatchStepsMax));
   add_camera_options(app, picture.camera);
   add_light_options(app, picture.light);
@@ -39,7 +39,7 @@ int draw_lod(const LodOptions& options) {
   check_paths_differ({options.file}, {picture.output.path, picture.output.report});
   ViewScenes scenes = make_scenes(picture);
   const Pyramid pyramid = read_surface_pyramid(options.file);
-  // The camera does not depend on the level: a given one stays, and the default one frames the finest level.
+  // A camera of its own does not depend on the level; one that sees the whole surface sees the finest one.
   frame_mesh(to_triangle_mesh(surface_at_level(pyramid, 0.0)), options.file, picture.output, scenes);
   const double level = detail_level(options.detail, pyramid, scenes.first.camera, picture.output.height());
   const PyramidSurface surface =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view pyramid: draws a surface that takes its colours directly from a pyramid, with several lookups and the
-// reference next to them, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
+// multum-view pyramid: draws a surface coloured straight from a pyramid, looked up in several ways, beside the
+// reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,8 +44,8 @@ glm::vec3 vector_of(const nlohmann::json& json) {
   return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
 }
 
-/// Returns the lights that a reflectance map was baked from. Unset if the map holds an environment, or more lights than
-/// a shader supports: the map's own finest level is then the best available reference.
+/// The lights that a reflectance map was baked from; unset where an environment is in it, or there are too many of them
+/// for a shader: its own finest level is then the best that is known.
 std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
   const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
   if (!header.map.provenance.source_hash.empty()) return std::nullopt;
@@ -60,18 +60,18 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
     return lights;
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::kInput,
-                path + ": found settings without lights, expected the settings of `multum reflectance`");
+                path + ": its settings name no lights, expected the settings of `multum reflectance`");
   }
 }
 
-/// Places the camera at a large distance in the direction of the map's viewer.
+/// Far off where the map's viewer is.
 gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame, gl::Camera camera) {
   glm::vec3 low = mesh.positions[0], high = low;
   for (const glm::vec3& p : mesh.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  constexpr float kFieldOfView = 8.0f;  // narrow, as from a distance: the map has one view direction
+  constexpr float kFieldOfView = 8.0f;  // narrow, as from afar: the map knows one direction to the viewer
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
   camera.fov_y_degrees = kFieldOfView;
@@ -83,10 +83,10 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
   return camera;
 }
 
-/// The surfaces that the pyramid colours.
+/// What the pyramid colours.
 struct Surfaces {
   gl::MeshData drawn;
-  std::optional<gl::MeshData> finest;  // the reference's surface; unset: the same as `drawn`
+  std::optional<gl::MeshData> finest;  // what the reference shows; unset: the same
 };
 
 class PyramidPictures {
@@ -115,7 +115,7 @@ class PyramidPictures {
     const std::optional<PyramidLookup> lookup = lookup_of(name);
     gl::PyramidScene scene = scene_;
     if (lookup) {
-      // Along a long ellipse the driver takes several lookups, whose sum has the right width.
+      // Along a long ellipse the driver takes several lookups, whose sum is as wide as it should be.
       const bool is_long = *lookup == PyramidLookup::kDriver && options_.anisotropy > 1.0f;
       if (is_long && !options_.level_bias) scene.level_bias = 0.0f;
       scene.shift = shift;
@@ -142,7 +142,7 @@ class PyramidPictures {
   const gl::GlFunctions& gl_;
   const Pyramid& pyramid_;
   const gl::Mesh mesh_;
-  std::optional<gl::Mesh> finest_;  // the reference's surface, if it differs
+  std::optional<gl::Mesh> finest_;  // of the reference, where it is another
   const bool by_normal_;
   const std::optional<gl::PhongLights> lights_;
   gl::PyramidRenderer renderer_;
@@ -150,7 +150,7 @@ class PyramidPictures {
   std::array<std::optional<gl::Texture>, 4> textures_;
 };
 
-/// Measures every lookup except the reference, over shifts along a slanted line of one pixel, in the lookups' order.
+/// Of every lookup but the reference, over shifts along a slanted line of one pixel; in the order of the lookups.
 std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictures& pictures) {
   std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
   for (int k = 0; k < options.shifts; ++k) {
@@ -187,7 +187,7 @@ nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::
   return rows;
 }
 
-/// Makes the surfaces that the pyramid colours, and the camera for them.
+/// What the pyramid colours, with the camera that sees it.
 Surfaces make_surfaces(const PyramidOptions& options, const PyramidHeader& header, ViewScenes& scenes) {
   PictureOptions picture;
   picture.surface = options.surface;
@@ -219,13 +219,14 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
                                                options.file, pyramid_kind_name(header.kind)));
   if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: is a reflectance map, which needs a surface; found {}, expected {}", options.file,
+                fmt::format("{}: a map over normals needs one surface, found {}, expected {}", options.file,
                             options.surface.mesh.empty() ? "none" : "two", "--mesh or --surface"));
   if (!by_normal && !(options.surface.mesh.empty() && options.surface_pyramid.empty()))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is a pyramid of colours, which is drawn on the plane; found {}",
-                                               options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: a pyramid of colours is drawn on the plane, found {}, expected no surface",
+                            options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
   if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
-    throw Error(ErrorCode::kUsage, "--surface-level, --surface-spacing: found no --surface, expected one");
+    throw Error(ErrorCode::kUsage, "--surface-level and --surface-spacing need --surface, found none");
 }
 
 void write_pyramid_report(const PyramidOptions& options, const std::string& path, const nlohmann::json& facts) {
@@ -237,12 +238,13 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
   write_text_file(path, json_text(report, 2) + "\n");
 }
 
-// Adds --lookup and --shifts.
+// --lookup, --shifts.
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
-         "kinds of pyramid lookup, a list of nearest, bilinear (finest level), level (by the longer side of the "
-         "pixel), driver, and reference (supersampled)")
+         "look up the pyramid in these ways: a list of nearest, bilinear (finest level), level (by the longer side of "
+         "a "
+         "pixel), driver, reference (supersampled)")
       ->default_str("level");
   app.add_option("--shifts", options.shifts,
                  "measure the flicker of reflected light against the reference over this many sub-pixel shifts")
@@ -252,25 +254,27 @@ void add_lookup_options(CLI::App& app, PyramidOptions& options) {
 }  // namespace
 
 void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
-  app.add_option("file", options.file, "pyramid of multum mip, on the plane, or of multum reflectance, on the --mesh")
+  app.add_option("file", options.file,
+                 "pyramid of `multum mip`, drawn on the plane, or of `multum reflectance`, drawn on --mesh")
       ->required();
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
   add_level_bias_option(app, options.level_bias,
-                        "number added to the level (default: 0 for colours, as in GL; -0.79 for reflected light, which "
-                        "fits the pixel's width)");
-  app.add_option("--samples", options.samples, "samples per pixel of the reference")
+                        "add this to the level (default: 0 for colours; -0.79, the width of a pixel, for reflected "
+                        "light)");
+  app.add_option("--samples", options.samples, "draw the reference with this many samples per pixel")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();
   add_pictures_option(app, options.output);
   add_mesh_option(app, options.surface);
-  app.add_option("--surface", options.surface_pyramid,
-                 "show reflected light on a pyramid of heights or positions of multum lod. --surface-level limits the "
-                 "surface's curvature, except in the reference");
+  app.add_option(
+      "--surface", options.surface_pyramid,
+      "draw reflected light on this pyramid of `multum lod` at --surface-level, which limits its curvature; the "
+      "reference uses the finest level");
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
-  app.add_option("--anisotropy", options.anisotropy, "anisotropy of the driver's lookup")
+  app.add_option("--anisotropy", options.anisotropy, "set the anisotropy of the lookup by the driver")
       ->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
   add_output_options(app, options.output);
@@ -283,7 +287,7 @@ int draw_pyramid(const PyramidOptions& options) {
   check_picture_path(options.output.path);
   check_paths_differ({options.file}, {options.output.path, report});
   if (options.shifts > 0 && options.lookups.front() != "reference")
-    throw Error(ErrorCode::kUsage, "--shifts: measures flicker against the reference, expected reference in --lookup");
+    throw Error(ErrorCode::kUsage, "--shifts needs the reference, found none, expected reference in --lookup");
   const Pyramid pyramid = options.expected ? read_pyramid(options.file, *options.expected) : read_pyramid(options.file);
   check_surface(options, pyramid.header);
   std::optional<gl::PhongLights> lights;

@@ -154,9 +154,9 @@ void bind_column(SqliteStatement& insert, int number, const JobField&, Number va
 }  // namespace
 
 const char* lost_ledger_advice() {
-  return "put the ledger back, save what can be read of a damaged one by 'multum rescue', or begin a new one by "
-         "'multum "
-         "serve --new-ledger'; docs/reference/service.md says more";
+  return "put the ledger back; or copy the readable jobs of a damaged one by 'multum serve --rescue'; or begin a new "
+         "one "
+         "by 'multum serve --new-ledger'; see docs/reference/service.md";
 }
 
 void prepare_ledger(SqliteDatabase& database, bool may_begin) {

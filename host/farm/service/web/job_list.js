@@ -231,7 +231,7 @@ export class JobList {
         node("button", { onclick: () => this.clear() }, "Show all jobs"));
     if (kind === "none")
       byId("empty").replaceChildren(node("p", {}, "No jobs yet. Submit one, here or from a shell:"),
-        node("pre", {}, "multum submit bake rock_normal.png -o rock.ndf.exr --lobes 4"));
+        node("pre", {}, "multum jobs submit bake rock_normal.png -o rock.ndf.exr --lobes 4"));
   }
 
   clear() {

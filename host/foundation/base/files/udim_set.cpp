@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
 
 namespace multum {
 namespace {
@@ -125,9 +126,11 @@ std::string place_of_map(const std::string& pattern, const SetMap& map, const st
     return with_tile(pattern, map.tile);
   }
   std::error_code error;
-  if (!fs::is_directory(pattern, error))
+  const bool is_new_folder = !fs::exists(pattern, error) && fs::path(pattern).extension().empty();
+  if (is_new_folder) make_folder(pattern);
+  else if (!fs::is_directory(pattern, error))
     throw Error(ErrorCode::kUsage,
-                pattern + ": one name for several maps, expected an existing folder, or <UDIM> in the name");
+                pattern + ": is one file name for several maps, expected a folder, or <UDIM> in the name");
   return (fs::path(pattern) / (fs::path(map.path).stem().string() + suffix)).string();
 }
 

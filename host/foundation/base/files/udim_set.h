@@ -31,7 +31,7 @@ std::vector<SetMap> maps_of_names(const std::vector<std::string>& inputs);
 
 /// Returns the output path for one of several maps: `pattern` with the map's tile, or a file in the folder `pattern`
 /// with the map's name and `suffix`. Empty stays empty. Throws Error(kUsage) if a pattern is not a folder and lacks
-/// `<UDIM>`.
+/// `<UDIM>`. Makes a missing folder whose name has no extension.
 std::string place_of_map(const std::string& pattern, const SetMap& map, const std::string& suffix);
 
 }  // namespace multum

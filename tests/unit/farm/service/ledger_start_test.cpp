@@ -60,7 +60,7 @@ TEST_F(LedgerStartTest, GoesOnWithItsOwn) {
 TEST_F(LedgerStartTest, AMissingEmptyOrForeignLedgerIsRefused) {
   start();
   fs::rename(path(), folder_ / "kept");
-  expect_error(ErrorCode::kEnvironment, {path(), "missing", "multum rescue", "--new-ledger"}, [&] { start(); });
+  expect_error(ErrorCode::kEnvironment, {path(), "missing", "multum serve --rescue", "--new-ledger"}, [&] { start(); });
   EXPECT_FALSE(fs::exists(path())) << "the refusal must not create a ledger";
   testing::write_bytes(path(), "");
   expect_error(ErrorCode::kEnvironment, {path(), "empty", "--new-ledger"}, [&] { start(); });

@@ -137,6 +137,10 @@ TEST(FourQuarterMap, FilesReadBackAsTheSameMap) {
   const ColourMap albedo = read_albedo_map(folder / "four_albedo.png", 128, 128, 2);
   for (std::size_t i = 0; i < albedo.r.size(); ++i) ASSERT_NEAR(albedo.g[i], map.albedo.g[i], 2e-5);
   EXPECT_NE(read_map(folder / "four_normal.png").report.encoding.find("green down"), std::string::npos);
+  write_four_quarter_map(128, 11, folder / "four", std::nullopt, GreenAxis::kUp);
+  const NormalMap flipped = read_map(folder / "four_normal.png");
+  EXPECT_NE(flipped.report.encoding.find("green up"), std::string::npos);
+  for (std::size_t i = 0; i < flipped.y.size(); ++i) ASSERT_NEAR(flipped.y[i], -map.normals.y[i], 2e-7);
   int file_count = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder / ".")) ++file_count;
   EXPECT_EQ(file_count, 2);

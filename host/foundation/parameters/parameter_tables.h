@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists the parameter tables of all commands.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/foundation/parameters/parameter.h"
+
+namespace multum {
+
+/// The tables of all commands, in the order of docs/reference/commands.md.
+const std::vector<const ParameterTable*>& parameter_tables();
+
+/// The table of a command or job type; null if it has none.
+const ParameterTable* find_parameter_table(const std::string& command);
+
+/// Legal values and default of a parameter: "an integer from 1 to 8, default 4".
+std::string values_text(const Parameter& parameter);
+
+}  // namespace multum

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the command that a parsed command line chose.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace multum {
+
+/// The innermost subcommand that was parsed: "multum jobs list" gives `list`; `app` itself if none was.
+inline const CLI::App& chosen_command(const CLI::App& app) {
+  const CLI::App* command = &app;
+  for (;;) {
+    const auto parsed = command->get_subcommands([](const CLI::App* one) { return one->parsed(); });
+    if (parsed.empty()) return *command;
+    command = parsed.front();
+  }
+}
+
+/// The words that call a command: "multum jobs list".
+inline std::string command_words(const CLI::App& command) {
+  const CLI::App* const parent = command.get_parent();
+  return parent == nullptr ? command.get_name() : command_words(*parent) + " " + command.get_name();
+}
+
+}  // namespace multum

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes completion scripts for shells from the description of a command line.
+#pragma once
+
+#include <string>
+
+#include "tools/command_line/command_text.h"
+
+namespace multum {
+
+/// The shells that completion_script() knows.
+inline const std::vector<std::string> kShells = {"bash", "zsh", "fish"};
+
+/// A script that completes commands, options and choices of `program`, and file names elsewhere. bash: to be sourced.
+/// zsh: to be sourced after compinit. fish: to be sourced, or stored as completions/PROGRAM.fish.
+std::string completion_script(const CommandText& program, const std::string& shell);
+
+}  // namespace multum
