@@ -20,7 +20,7 @@ NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.]*\d)")
 TRIPLE = re.compile(r"\d+\.\d+(?: / \d+\.\d+){2,}")
 LEAST = 3  # against chance: there are 1000 figures of one decimal below 100, and some thousand lines
 # Pages that describe past versions.
-HISTORY = ("docs/reference/changelog.md",)
+HISTORY = ("docs/contributing/CHANGELOG.md",)
 
 
 def runs_of(line):

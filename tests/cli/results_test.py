@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What every command promises: --json prints one JSON document on stdout and nothing else, and missing folders of
+"""Tests promises of every command: --json prints one JSON document on stdout and nothing else, and missing folders of
 outputs are made.
 
   tests/cli/results_test.py --programs FOLDER [--traced-folder PROGRAM]

@@ -109,7 +109,7 @@ class CommandsTest(Pages):
         self.expect("# P\n\n```sh\nmultum bake 'x\n```\n", "does not end")
 
     def test_pages_on_earlier_versions_may_name_their_commands(self):
-        self.assertEqual(self.faults("# P\n\n`multum surprise x`\n", "docs/reference/changelog.md"), [])
+        self.assertEqual(self.faults("# P\n\n`multum surprise x`\n", "docs/contributing/CHANGELOG.md"), [])
 
     def test_programs_that_are_missing_are_named(self):
         self.write("docs/how-to/page.md", "# P\n\n`multum-view x --gone`\n")

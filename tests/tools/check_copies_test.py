@@ -14,7 +14,7 @@ def check(**written):
     """Returns the lines that the tool prints for a folder with PAGE and these pages."""
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
-        (root / "docs" / "reference").mkdir(parents=True)
+        (root / "docs" / "contributing").mkdir(parents=True)
         (root / "README.md").write_text("# Readme\n")
         (root / "docs" / "PAGE.md").write_text(PAGE)
         for name, text in written.items():
@@ -38,7 +38,7 @@ def main():
     assert check(README=f"# Readme\n\n{mark}") == ""
     assert check(README="# Readme\n\n| x | 4.1 | 9.3 | 22.5 |\n").startswith("README.md:3: ")
     # Generated pages may share figures, and the changelog describes the past.
-    assert check(**{"MORE": PAGE, "reference/changelog": "# Changelog\n\n10.5 / 7.2 / 7.1\n"}) == ""
+    assert check(**{"MORE": PAGE, "contributing/CHANGELOG": "# Changelog\n\n10.5 / 7.2 / 7.1\n"}) == ""
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ class HelpTest(unittest.TestCase):
                     self.assertEqual(done.stderr, "", path.name)
 
     def complete(self, *words):
-        """What bash offers behind these words; the last one is being typed."""
+        """Returns the completions that bash offers after these words; the last word is being typed."""
         array = " ".join(f"'{word}'" for word in words)
         script = (f"source <('{programs}/multum' completion bash); COMP_WORDS=({array}); "
                   f"COMP_CWORD={len(words) - 1}; _{words[0].replace('-', '_')}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")

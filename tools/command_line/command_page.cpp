@@ -298,7 +298,7 @@ class Page {
     return text;
   }
 
-  // "As in multum bake: --lobes ...", or the exceptions if they are fewer.
+  // "Options of multum bake: --lobes ...", or the exceptions if they are fewer.
   std::string names_of_owner(const CommandText& owner, const std::vector<std::string>& names) const {
     std::vector<std::string> missing;
     for (const OptionText& option : owner.options)
@@ -309,7 +309,7 @@ class Page {
     if (missing.empty()) return fmt::format("All options of {}.\n", link(owner));
     if (missing.size() < names.size())
       return fmt::format("All options of {} except {}.\n", link(owner), names_text(missing));
-    return fmt::format("As in {}: {}.\n", link(owner), names_text(names));
+    return fmt::format("Options of {}: {}.\n", link(owner), names_text(names));
   }
 
   std::string names_of_shared(const std::map<std::string, std::vector<std::string>>& shared) const {

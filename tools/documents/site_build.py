@@ -27,8 +27,7 @@ ORDER = {
                "export_to_engine", "draw_lobes", "plain_pyramids", "error_numbers", "service_behind_proxy", "clusters",
                "upgrade", "caches_and_removal"),
     "reference": ("commands", "exit_codes", "parameters", "input_maps", "file_format", "lobe_textures", "gltf",
-                  "scenes", "manifests", "animation_jobs", "inferred_textures", "packed_fields", "service", "glossary",
-                  "changelog"),
+                  "scenes", "manifests", "animation_jobs", "inferred_textures", "packed_fields", "service", "glossary"),
     "explanation": ("how_it_works", "accuracy", "limits"),
 }
 # A build replaces a folder only if the folder has this file.

@@ -98,7 +98,7 @@ const std::vector<ViewCommand>& view_commands() {
   static const std::vector<ViewCommand> commands = [] {
     std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
     const std::vector<ViewCommand> more = field_commands();
-    all.insert(all.begin() + 2, more.begin(), more.end());  // behind scene and animate
+    all.insert(all.begin() + 2, more.begin(), more.end());  // after scene and animate
     return all;
   }();
   return commands;
@@ -132,7 +132,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
   app.require_subcommand(0, 1);
   app.add_option("file", options.map.file,
-                 "baked map, *.ndf.exr, or its lobes as multum export --lobes stores them, *.ktx2");
+                 "baked map, *.ndf.exr, or its lobe textures of multum export --lobes, *.ktx2");
   add_picture_option(app, options.map.picture.output);
   add_pictures_option(app, options.map.picture.output);
   add_alone_option(app, options.map.picture.output);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view model: draws a glTF model with its own materials - base colour, metallic and roughness factors, as glTF's
-// BRDF has them - and for each that is named the map that was baked of its normal texture.
+// multum-view model: draws a glTF model with its own materials: base colour, metallic and roughness factors in glTF's
+// BRDF. A material that --material names is drawn with the map that was baked from its normal texture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace {
 constexpr float kRoughnessMin = 0.05f;           // of Brdf
 constexpr float kDielectricReflectance = 0.04f;  // glTF 2.0, appendix B
 
-/// NAME=FILE; a name may hold "=", a baked file's rarely does.
+/// Parses NAME=FILE. A name may contain "="; names of baked files rarely do.
 std::map<std::string, std::string> parse_materials(const std::vector<std::string>& words) {
   std::map<std::string, std::string> files;
   for (const std::string& word : words) {
@@ -44,13 +44,13 @@ std::map<std::string, std::string> parse_materials(const std::vector<std::string
   return files;
 }
 
-/// A folder for images that lie inside a model, for as long as it takes to read them.
+/// A temporary folder for images that are embedded in a model. It exists while they are read.
 class TemporaryImages {
  public:
   TemporaryImages() {
     std::string pattern = (std::filesystem::temp_directory_path() / "multum_view_XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
-      throw Error(ErrorCode::kEnvironment, pattern + ": cannot be made a folder for the model's images");
+      throw Error(ErrorCode::kEnvironment, pattern + ": cannot make this folder for the model's images");
     folder_ = pattern;
   }
   ~TemporaryImages() {
@@ -65,7 +65,7 @@ class TemporaryImages {
   std::string folder_;
 };
 
-/// The mean of each channel, as numbers from 0 to 1.
+/// Returns the mean of each channel, in 0..1.
 glm::vec3 mean_of(const GltfImage& image) {
   const TemporaryImages temporary;
   const ColourRows rows =
@@ -80,7 +80,7 @@ glm::vec3 mean_of(const GltfImage& image) {
   return sum / (static_cast<double>(rows.planes.width()) * rows.planes.height());
 }
 
-/// glTF's metallic-roughness texture has roughness in green and metallic in blue; its means stand for it.
+/// Scales the factors by the means of glTF's metallic-roughness texture: roughness is in green, metallic in blue.
 Brdf brdf_of(const GltfMaterials& model, GltfMaterial material) {
   if (material.metallic_roughness) {
     const glm::vec3 mean = mean_of(model.images[static_cast<std::size_t>(material.metallic_roughness->image)]);
@@ -97,7 +97,7 @@ Brdf brdf_of(const GltfMaterials& model, GltfMaterial material) {
   return brdf;
 }
 
-/// Triangles of one material.
+/// Returns the triangles of one material.
 gl::MeshData part_data(const TriangleMesh& mesh, int material) {
   gl::MeshData data = to_mesh_data(mesh);
   data.indices.clear();
@@ -117,10 +117,11 @@ class Model {
     for (const GltfMaterial& material : materials.materials) {
       names.insert(material.name);
       if (material.anisotropy > 0.0f && picture_.material.brdfs.empty())
-        throw Error(ErrorCode::kInput,
-                    fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected "
-                                "materials of roughness alone, which lobes are shaded with; --brdf takes another",
-                                picture_.surface.mesh, material.name, material.anisotropy));
+        throw Error(
+            ErrorCode::kInput,
+            fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected materials "
+                        "with only roughness, which lobes can be shaded with. --brdf sets another BRDF",
+                        picture_.surface.mesh, material.name, material.anisotropy));
     }
     for (const auto& [name, file] : files_)
       if (names.count(name) == 0)
@@ -136,7 +137,7 @@ class Model {
 
   void upload(const gl::GlFunctions& gl) {
     const int count = static_cast<int>(materials_.materials.size());
-    for (int i = 0; i <= count; ++i) {  // the last: triangles without a material
+    for (int i = 0; i <= count; ++i) {  // the last round: triangles without a material
       const GltfMaterial material = i < count ? materials_.materials[static_cast<std::size_t>(i)] : GltfMaterial{};
       const gl::MeshData data = part_data(mesh(material.normal ? material.normal->uv_set : 0), i);
       if (data.indices.empty()) continue;
@@ -161,7 +162,8 @@ class Model {
     const BakedMap map = read_baked_map(file->second);
     check_options_of(file->second, picture_, scenes_, false, map.header);
     if (map.header.first_level > 0)
-      throw Error(ErrorCode::kInput, file->second + ": holds no level 0, expected files of all levels for --material");
+      throw Error(ErrorCode::kInput,
+                  file->second + ": holds no level 0, expected files with all levels for --material");
     surfaces_.push_back(make_material(gl, map, picture_.shading, {}));
     return surfaces_.back().get();
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view thumbnails: draws what the service shows of a job, in one process, so that whatever a map or a driver
-// does to it ends the pictures alone. They are made from what is trusted most to what is trusted least: what comes
-// after a failure is missing, what came before it is there.
+// multum-view thumbnails: draws the service's pictures of a job in a process of its own, so that a crash by a map or a
+// driver ends only the pictures. The most trusted input is drawn first: after a failure the later pictures are missing,
+// and the earlier ones exist.
 #include <fmt/format.h>
 #include <filesystem>
 
@@ -29,17 +29,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWidth = 384, kHeight = 288;  // of renders
-constexpr int kSamples = 64;                // a pixel of the reference
-// The nearest tile of the plane fills the picture: the levels that it samples are at most this wide.
+constexpr int kSamples = 64;                // reference samples per pixel
+// The nearest tile of the plane fills the picture, so the levels that it samples are at most this wide.
 constexpr int kLevelSide = 1024;
-// Texels of the reference, which is drawn from the whole map: a third of a gigabyte in all.
+// Most texels of a reference, which is drawn from the whole map and needs a third of a gigabyte at this limit.
 constexpr std::int64_t kReferenceTexelsMax = std::int64_t{1} << 24;
 
 std::string file_in(const ThumbnailOptions& options, const char* name) {
   return (fs::path(options.folder) / name).string();
 }
 
-/// The levels that a picture of this size shows, as a map of their own, whatever finer ones there are.
+/// Reads the levels that a picture of this size shows, as a map of their own; finer ones are skipped.
 MovmfMipmap read_coarse_levels(const std::string& path) {
   MovmfReader reader(path, 1);
   const MovmfMipmap& header = reader.header();
@@ -66,7 +66,7 @@ gl::MeshData plane_data() {
   return data;
 }
 
-/// Throws Error(kInput) when it is not what was baked.
+/// Throws Error(kInput) if the source is not the map that was baked.
 NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMipmap& mipmap) {
   const std::string& baked = mipmap.header.provenance.file_hash();
   if (const std::string found = hash_file(options.source); !baked.empty() && found != baked)
@@ -75,7 +75,7 @@ NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMi
   NormalMapSettings settings = parse_reading_settings(mipmap.header.provenance.settings);
   settings.wrap_s = mipmap.header.wrap_s;
   settings.wrap_t = mipmap.header.wrap_t;
-  settings.repair_share_max = 1.0f;  // the bake took these very texels
+  settings.repair_share_max = 1.0f;  // the bake accepted these same texels
   settings.texel_count_max = kReferenceTexelsMax;
   return settings;
 }
@@ -106,7 +106,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
 
   const NormalMapSettings settings = source_settings(options, mipmap);
   write_png8(file_in(options, "input.png"), read_small_picture(options.source, kThumbnailSide));
-  // Nothing to compare with.
+  // There is nothing to compare with.
   if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);

@@ -33,7 +33,7 @@ enum ParameterSurface : unsigned {
 };
 constexpr unsigned kEverywhere = kOnCommandLine | kInManifest | kInScene | kInService;
 
-/// What a bake must store for the parameter to have an effect.
+/// The representations for which a parameter has an effect.
 enum class ParameterScope { kAll, kLobes, kHarmonics };
 
 /// Bound of numbers without a bound: the largest float.
@@ -62,7 +62,7 @@ struct Parameter {
   bool is_numeric() const {
     return kind == ParameterKind::kInteger || kind == ParameterKind::kNumber || kind == ParameterKind::kBytes;
   }
-  /// Whether numbers have a lower and an upper bound.
+  /// Return true if numbers have a lower or an upper bound.
   bool has_low() const { return low > -kUnbounded; }
   bool has_high() const { return high < kUnbounded; }
   /// "--first-level".
@@ -83,7 +83,7 @@ std::string value_text(const ParameterValue& value);
 /// The value as a text; whole MiB of a size as "288 MiB".
 std::string value_text(const Parameter& parameter, const ParameterValue& value);
 
-/// Whether the value has the type of the parameter and is legal.
+/// Returns whether the value has the type of the parameter and is legal.
 bool is_legal(const Parameter& parameter, const ParameterValue& value);
 
 /// The bytes of "800M", "2G", "38K" (1024-based) or a plain number; nullopt for any other text.

@@ -114,7 +114,7 @@ enum class GltfTextureFormat {
   kUastc,  // KHR_texture_basisu
   kRgba8,  // uncompressed KTX2, outside of KHR_texture_basisu
            // (host/delivery/export/engine_support.h lists the loaders that refuse it)
-  kPng,    // level 0 alone
+  kPng,    // only level 0
 };
 inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {{"auto", GltfTextureFormat::kAuto},
                                                                    {"uastc", GltfTextureFormat::kUastc},

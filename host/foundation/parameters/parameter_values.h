@@ -20,7 +20,7 @@ class ParameterValues {
 
   const ParameterTable& table() const { return *table_; }
   bool has(const std::string& name) const { return values_.contains(table_->at(name).name); }
-  /// Whether the parameter has a value other than the false of a flag.
+  /// Returns whether the parameter has a value other than the false of a flag.
   bool is_given(const std::string& name) const;
 
   /// Throws Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".

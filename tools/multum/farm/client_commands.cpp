@@ -230,7 +230,7 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
-// How long a waiting client asks a service that went away: long enough to outlive its restart.
+// Time for which a waiting client asks a service that went away: long enough to outlive its restart.
 constexpr auto kPatience = std::chrono::seconds(60);
 
 // Runs `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFrames = 24, kFramesMax = 9999;  // as many as their names have digits for
+constexpr int kFrames = 24, kFramesMax = 9999;  // frame names have four digits
 
 std::string played_frame_path(const PlayOptions& options, int frame) {
   return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
@@ -59,7 +59,7 @@ gl::PlayerSettings player_settings(const PlayOptions& options) {
   return settings;
 }
 
-/// Points of all frames.
+/// Returns the parameter points of all frames.
 std::vector<std::vector<double>> points_of(const PlayOptions& options, const ParameterPath& path) {
   const int count = options.frame_count > 0 ? options.frame_count : kFrames;
   std::vector<std::vector<double>> points;
@@ -75,7 +75,7 @@ std::vector<std::vector<double>> points_of(const PlayOptions& options, const Rec
   const double all = std::max(1.0, std::ceil(path.seconds() * rate));
   if (options.frame_count == 0 && all > kFramesMax)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {:g} s are {:.0f} frames, expected up to {}: give --frames, or a lower --rate",
+                fmt::format("{}: {:g} s are {:.0f} frames, expected at most {}; give --frames, or a lower --rate",
                             options.path, path.seconds(), all, kFramesMax));
   const int count = options.frame_count > 0 ? options.frame_count : static_cast<int>(all);
   std::vector<std::vector<double>> points;
@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// p of the values, 0..1, the nearest rank.
+/// Returns the `p` quantile of the values, `p` in 0..1, by the nearest rank.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
@@ -112,7 +112,7 @@ json times_json(const std::vector<double>& seconds) {
           {"max_ms", 1e3 * quantile(seconds, 1.0)}};
 }
 
-/// Draws the frames, and remembers what each took.
+/// Draws the frames and records the time of each.
 class PathPlayer {
  public:
   PathPlayer(const gl::GlFunctions& gl, const PlayOptions& options, const gl::PlayerSettings& settings)
@@ -273,13 +273,13 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
 
 int play_field(const PlayOptions& options) {
   if (!is_packed_field(options.file))
-    throw Error(ErrorCode::kInput, options.file + ": is no packed field, expected a file of multum pack");
+    throw Error(ErrorCode::kInput, options.file + ": is not a packed field, expected a file of multum pack");
   if (!options.debug_picture.empty()) check_picture_path(options.debug_picture);
   const gl::PlayerSettings settings = player_settings(options);
   const InferredManifest field = PackedFieldFile(options.file).description().field;
   const std::vector<std::vector<double>> points = path_points(options, field.parameters);
   check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string(), points.size());
-  keep_freed_memory();  // of each image that is decoded
+  keep_freed_memory();  // the memory of each decoded image
   const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   log_info(context->description());
   PathPlayer player(context->functions(), options, settings);

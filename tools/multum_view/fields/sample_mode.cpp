@@ -24,16 +24,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Textures of the samples that are drawn, wherever they are stored.
+/// The textures of the drawn samples, from a folder or a packed field.
 class TextureSource {
  public:
   virtual ~TextureSource() = default;
   virtual const InferredManifest& manifest() const = 0;
-  /// What the manifest's names are relative to.
+  /// The folder that the manifest's names are relative to.
   virtual fs::path folder() const = 0;
-  /// Files that are read, also for samples that are not drawn now.
+  /// All input files, including those of samples that this run does not draw.
   virtual std::set<fs::path> files() const = 0;
-  /// Of each layer that the object has at the sample, the texture and its name.
+  /// Returns the texture and its name for each layer that the object has at the sample.
   virtual std::vector<std::pair<std::string, InferredTexture>> textures(std::size_t object, std::size_t sample) = 0;
 };
 
@@ -47,7 +47,7 @@ class FolderTextures : public TextureSource {
     std::set<std::string> names = {kInferredManifestName};
     for (const InferredObject& object : manifest_.objects)
       for (const InferredLayer& layer : object.layers) names.insert(layer.textures.begin(), layer.textures.end());
-    std::set<fs::path> paths;  // of one spelling each: a folder may hold as many textures as there are samples
+    std::set<fs::path> paths;  // without duplicates: a folder may hold one texture per sample
     for (const std::string& name : names)
       if (!name.empty()) paths.insert(folder_ / name);
     return paths;
@@ -67,7 +67,7 @@ class FolderTextures : public TextureSource {
   InferredManifest manifest_;
 };
 
-/// Of a packed field: chunks are read as they are needed. A damaged one is left out, and said.
+/// The textures of a packed field. It reads chunks on demand, leaves out damaged ones, and reports them.
 class PackedTextures : public TextureSource {
  public:
   explicit PackedTextures(const std::string& path) : path_(path), file_(path) {}
@@ -87,7 +87,7 @@ class PackedTextures : public TextureSource {
     }
     return found;
   }
-  /// Throws Error(kVerification) naming what was left out.
+  /// Throws Error(kVerification) naming the chunks that were left out.
   void refuse_damage() const {
     if (damaged_.empty()) return;
     throw Error(ErrorCode::kVerification, fmt::format("left out, all else is drawn:\n{}", fmt::join(damaged_, "\n")));
@@ -112,13 +112,13 @@ class PackedTextures : public TextureSource {
   std::vector<std::string> damaged_;
 };
 
-// No picture takes the place of anything that is read.
+// Refuses pictures that would overwrite an input file.
 void check_outputs(const TextureSource& source, const std::vector<std::string>& outputs) {
   std::set<fs::path> inputs = {fs::weakly_canonical(source.folder() / source.manifest().geometry_file)};
   for (const fs::path& file : source.files()) inputs.insert(fs::weakly_canonical(file));
   for (const std::string& output : outputs)
     if (inputs.count(fs::weakly_canonical(output)) > 0)
-      throw Error(ErrorCode::kUsage, output + ": is read, expected the name of another file to write");
+      throw Error(ErrorCode::kUsage, output + ": is an input, expected another file name for the output");
   check_paths_differ({}, outputs);
   for (const std::string& output : outputs) check_writable(output);
 }
@@ -126,8 +126,8 @@ void check_outputs(const TextureSource& source, const std::vector<std::string>& 
 gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const InferredTexture& texture,
                    const TextureMapping& mapping, float anisotropy) {
   if (texture.width != mapping.width || texture.height != mapping.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels, the manifest says {} x {}", path, texture.width,
-                                               texture.height, mapping.width, mapping.height));
+    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels, expected {} x {} as in the manifest", path,
+                                               texture.width, texture.height, mapping.width, mapping.height));
   const MipLayout layout(texture.width, texture.height);
   gl::Texture uploaded(gl, path, {texture.width, texture.height, layout.level_count(), gl::TexelFormat::kRgba16f},
                        {mapping.wrap_s, mapping.wrap_t, true, anisotropy});
@@ -143,7 +143,7 @@ gl::Texture upload(const gl::GlFunctions& gl, const std::string& path, const Inf
   return uploaded;
 }
 
-// What stays from picture to picture.
+// The state that all pictures share.
 class InferredScene {
  public:
   InferredScene(const gl::GlFunctions& gl, TextureSource& source)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view pyramid: draws a surface coloured straight from a pyramid, looked up in several ways, beside the
-// reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
+// multum-view pyramid: draws a surface that takes its colours directly from a pyramid, with several lookups and the
+// reference next to them, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,8 +44,8 @@ glm::vec3 vector_of(const nlohmann::json& json) {
   return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
 }
 
-/// The lights that a reflectance map was baked from; unset where an environment is in it, or there are too many of them
-/// for a shader: its own finest level is then the best that is known.
+/// Returns the lights that a reflectance map was baked from. Unset if the map holds an environment, or more lights than
+/// a shader supports: the map's own finest level is then the best available reference.
 std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
   const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
   if (!header.map.provenance.source_hash.empty()) return std::nullopt;
@@ -64,14 +64,14 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
   }
 }
 
-/// Far off where the map's viewer is.
+/// Places the camera at a large distance in the direction of the map's viewer.
 gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame, gl::Camera camera) {
   glm::vec3 low = mesh.positions[0], high = low;
   for (const glm::vec3& p : mesh.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  constexpr float kFieldOfView = 8.0f;  // narrow, as from afar: the map knows one direction to the viewer
+  constexpr float kFieldOfView = 8.0f;  // narrow, as from a distance: the map has one view direction
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
   camera.fov_y_degrees = kFieldOfView;
@@ -83,10 +83,10 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
   return camera;
 }
 
-/// What the pyramid colours.
+/// The surfaces that the pyramid colours.
 struct Surfaces {
   gl::MeshData drawn;
-  std::optional<gl::MeshData> finest;  // what the reference shows; unset: the same
+  std::optional<gl::MeshData> finest;  // the reference's surface; unset: the same as `drawn`
 };
 
 class PyramidPictures {
@@ -115,7 +115,7 @@ class PyramidPictures {
     const std::optional<PyramidLookup> lookup = lookup_of(name);
     gl::PyramidScene scene = scene_;
     if (lookup) {
-      // Along a long ellipse the driver takes several lookups, whose sum is as wide as it should be.
+      // Along a long ellipse the driver takes several lookups, whose sum has the right width.
       const bool is_long = *lookup == PyramidLookup::kDriver && options_.anisotropy > 1.0f;
       if (is_long && !options_.level_bias) scene.level_bias = 0.0f;
       scene.shift = shift;
@@ -142,7 +142,7 @@ class PyramidPictures {
   const gl::GlFunctions& gl_;
   const Pyramid& pyramid_;
   const gl::Mesh mesh_;
-  std::optional<gl::Mesh> finest_;  // of the reference, where it is another
+  std::optional<gl::Mesh> finest_;  // the reference's surface, if it differs
   const bool by_normal_;
   const std::optional<gl::PhongLights> lights_;
   gl::PyramidRenderer renderer_;
@@ -150,7 +150,7 @@ class PyramidPictures {
   std::array<std::optional<gl::Texture>, 4> textures_;
 };
 
-/// Of every lookup but the reference, over shifts along a slanted line of one pixel; in the order of the lookups.
+/// Measures every lookup except the reference, over shifts along a slanted line of one pixel, in the lookups' order.
 std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictures& pictures) {
   std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
   for (int k = 0; k < options.shifts; ++k) {
@@ -187,7 +187,7 @@ nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::
   return rows;
 }
 
-/// What the pyramid colours, with the camera that sees it.
+/// Makes the surfaces that the pyramid colours, and the camera for them.
 Surfaces make_surfaces(const PyramidOptions& options, const PyramidHeader& header, ViewScenes& scenes) {
   PictureOptions picture;
   picture.surface = options.surface;
@@ -238,7 +238,7 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
   write_text_file(path, json_text(report, 2) + "\n");
 }
 
-// --lookup, --shifts.
+// Adds --lookup and --shifts.
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
