@@ -4,7 +4,7 @@
 // old file's values.
 //
 // This is an approximation. The coarsest texel starts from its old lobes, not from the whole map's candidates, and
-// texels around the region keep their values (docs/contributing/ALGORITHMS.md, "A region again").
+// texels around the region keep their values (docs/contributing/ALGORITHMS.md, "Baking a region again").
 #pragma once
 
 #include <optional>

@@ -62,7 +62,7 @@ struct BakedHeader {
 enum class TexelCheck { kRefuse, kReport };
 
 struct BakedWriteOptions {
-  // docs/contributing/ALGORITHMS.md, "Reasons for the file format", has the measurements behind the next two defaults.
+  // docs/contributing/ALGORITHMS.md, "Reasons for the file format", gives the reasons for the next two defaults.
   std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
   int tile_size = 128;
   int threads = 2;
