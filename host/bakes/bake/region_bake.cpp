@@ -146,7 +146,7 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
     throw Error(ErrorCode::kUsage,
                 old + ": stores no level 0, so changes cannot be found; expected --region x,y,width,height");
   if (!changed) {
-    log_warning(input, fmt::format("{} stores no level 0: cannot check that all changes are inside --region {}", old,
+    log_warning(input, fmt::format("{} stores no level 0, so changes outside --region {} cannot be detected", old,
                                    region_text(*asked)));
     return *asked;
   }

@@ -264,7 +264,7 @@ std::string SceneReport::to_text() const {
     return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
-         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, of the default bake {}); ",
+         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, default bake {}); ",
                      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
                      time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;
