@@ -20,7 +20,7 @@ class Glb {
     this.name = name;
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     if (bytes.length < 20 || view.getUint32(0, true) !== MAGIC)
-      this.refuse("is no binary glTF (.glb); `multum pack --player` converts other scene files");
+      this.refuse("is not a binary glTF (.glb); `multum pack --player` converts other scene files");
     if (view.getUint32(4, true) !== 2) this.refuse(`is glTF of version ${view.getUint32(4, true)}, expected 2`);
     if (view.getUint32(8, true) !== bytes.length)
       this.refuse(`has ${bytes.length} bytes, its head says ${view.getUint32(8, true)}`);
@@ -66,7 +66,7 @@ class Glb {
     if (accessor.sparse !== undefined) this.refuse(`accessors[${index}] is sparse, which this player does not read`);
     if (accessor.type !== type) this.refuse(`accessors[${index}] is ${accessor.type}, expected ${type}`);
     const [List, most] = COMPONENTS.get(accessor.componentType) ??
-      this.refuse(`accessors[${index}] has no known numbers`);
+      this.refuse(`accessors[${index}] has an unknown component type`);
     const width = WIDTHS[type];
     const count = accessor.count;
     const view = this.entry("bufferViews", accessor.bufferView);

@@ -229,9 +229,9 @@ try {
     ["another tile in the place", changed(good, (b) => { b.writeInt32LE(3, tileAt); })],
     ["beyond the end", changed(good, (b) => { b.writeInt32LE(0x7fffffff, tileAt + 20); })],
     ["beyond the end", changed(good, (b) => { b.writeInt32LE(-1, tileAt + 20); })],
-    ["no whole stream of zlib", changed(good, (b) => { b[tileAt + 24] ^= 255; })],
-    ["no whole stream of zlib", changed(good, (b) => { b.fill(0x55, tileAt + 60, tileAt + 400); })],
-    ["no whole stream of zlib", changed(good, (b) => { b.writeInt32LE(100, tileAt + 20); })],
+    ["not a complete zlib stream", changed(good, (b) => { b[tileAt + 24] ^= 255; })],
+    ["not a complete zlib stream", changed(good, (b) => { b.fill(0x55, tileAt + 60, tileAt + 400); })],
+    ["not a complete zlib stream", changed(good, (b) => { b.writeInt32LE(100, tileAt + 20); })],
     ["NaN in channel finest.normalX.X", changed(plain, (b) => { b.writeFloatLE(NaN, valuesAt); })],
     ["5 in channel finest.normalX.X", changed(plain, (b) => { b.writeFloatLE(5, valuesAt); })],
     ["a tile of more than", changed(good, (b) => {

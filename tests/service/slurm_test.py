@@ -372,7 +372,7 @@ class SlurmTest(ClientCase):
         self.succeed(number, "mine", attempts=2)
         self.slurm.wait_until("the alien is cancelled",
                               lambda: [line.split()[0] for line in self.slurm.jobs()] == [other.strip()])
-        self.assertIn(f"Slurm has job {alien.strip()}, which the ledger does not know", service.log_text())
+        self.assertIn(f"Slurm has job {alien.strip()}, which is not in the ledger", service.log_text())
         self.assertEqual(service.metric("multum_slurm_unknown_cancelled_total"), 1)
         self.slurm.run("scancel", other.strip())
         self.nothing_is_left()

@@ -162,7 +162,7 @@ async function exrInflated(bytes, size) {
   const stream = new DecompressionStream("deflate");
   const writer = stream.writable.getWriter(), reader = stream.readable.getReader();
   Promise.allSettled([writer.write(bytes), writer.close()]); // the reader also throws these failures
-  const read = () => reader.read().catch(() => exrRefuse("a tile that is no whole stream of zlib", "one"));
+  const read = () => reader.read().catch(() => exrRefuse("a tile that is not a complete zlib stream", "one"));
   const out = new Uint8Array(size);
   let at = 0;
   for (let one = await read(); !one.done; one = await read()) {

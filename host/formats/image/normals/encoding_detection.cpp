@@ -231,8 +231,8 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
   if (s.length_mean < 0.4)
     return fmt::format(
-        "vectors have a mean length of {:.3g}, expected 1, and neither one length nor clearly the slopes of a surface "
-        "(scale them to unit length)",
+        "vectors have a mean length of {:.3g}, expected 1; their lengths differ, and they are not clearly the slopes "
+        "of a surface (scale them to unit length)",
         s.length_mean);
   if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
@@ -445,7 +445,7 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
   if (!settings.green && !found) {
     // If nothing is tilted, green is 0 in both cases.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back("the statistics do not tell the direction of green; assuming up (OpenGL)" +
+      warnings.emplace_back("the statistics do not show the direction of green; assuming up (OpenGL)" +
                             advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
@@ -469,8 +469,8 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(
-      fmt::format("green is read as {}, as in the first tile of its set that decides, but this tile is the slopes of a "
-                  "surface whose green points {}{}",
+      fmt::format("green is read as {}, because of the first tile of its set that shows a direction, but this tile is "
+                  "the slopes of a surface whose green points {}{}",
                   green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 
