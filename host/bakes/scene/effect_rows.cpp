@@ -75,7 +75,7 @@ class EffectRows {
   void add_filtering() {
     if (plan_.is_constant) {
       add_row("normals under texels", false,
-              fmt::format("no two normals are more than {:.2g} apart (unit vectors): one texel is enough",
+              fmt::format("no two unit normals differ by more than {:.2g}, so one texel is enough",
                           planner_.survey().normal_range),
               plan_.default_bake.cost - plan_.chosen.cost);
       return;
@@ -274,7 +274,7 @@ class EffectRows {
     const auto none = [](BakeShape& s) { s.exponent_count = 0; };
     const bool needed = count > 0 || needs_.width_in_map;
     add_row("measuring highlights", needed,
-            needs_.width_in_map ? "the roughness map sets the width"
+            needs_.width_in_map ? "the roughness map sets the highlight's width"
             : needed            ? fmt::format("at s = {:.4g}{}", needs_.exponent_max,
                                    count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
                                 : "there are none",

@@ -251,7 +251,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
     text += fmt::format(
         "  measured at footprints that were not used to choose the settings; at the footprints that were used: {}\n",
         error_text(chosen.reached.error, chosen.reached.confidence));
-  text += fmt::format("  95 % of pixels are within {}; the worst pixels cover {}, with {}\n",
+  text += fmt::format("  95 % of pixels have errors of at most {}; the worst pixels cover {} and have {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
                       in_percent(judged.worst_octave_error));
   return text;

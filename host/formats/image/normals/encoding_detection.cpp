@@ -299,11 +299,9 @@ BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
 
 std::string blue_doubt_text(const VectorStatistics& s) {
   return fmt::format(
-      "blue does not follow red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
-      "{:.0f} % "
-      "of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, smoothness "
-      "or "
-      "height",
+      "blue does not depend on red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
+      "{:.0f} % of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, "
+      "smoothness or height",
       100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
 }
 
@@ -449,7 +447,7 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
                             advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
-        fmt::format("green was set to {}, but red and green are the slopes of a surface whose green points {} "
+        fmt::format("green was set to {}, but red and green are the slopes of a surface only if green points {} "
                     "(gradient agreement {:+.2f}){}",
                     green_name(*settings.green), green_name(*found), s.gradient_agreement,
                     advice(fmt::format(": remove the setting or use <green {}> unless you are sure",
@@ -469,8 +467,8 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(
-      fmt::format("green is read as {}, because of the first tile of its set that shows a direction, but this tile is "
-                  "the slopes of a surface whose green points {}{}",
+      fmt::format("green is read as {}, because of the first tile of its set that shows a direction, but the slopes in "
+                  "this tile show that green points {}{}",
                   green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 
