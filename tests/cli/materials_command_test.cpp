@@ -83,12 +83,11 @@ TEST_F(MaterialsCommandTest, TheViewerWarnsOfOtherMapsThanTheBakeHad) {
   EXPECT_FALSE(contains(viewed.err, "was baked with")) << viewed.err;
   viewed = view("other_orm.png:R", "other_weights.png", "other_orm.png");
   ASSERT_EQ(viewed.exit_code, 0) << viewed.err;
-  for (const char* option :
-       {"--roughness is not the map that", "--weights is not the map that", "--albedo is not the map that"})
+  for (const char* option : {"--roughness is not what", "--weights is not what", "--albedo is not what"})
     EXPECT_TRUE(contains(viewed.err, option)) << option << viewed.err;
   viewed = view("orm.png:G", "weights.png", "colours.png");
-  EXPECT_TRUE(contains(viewed.err, "orm.png:G: --roughness is not the map that")) << "another channel" << viewed.err;
-  EXPECT_FALSE(contains(viewed.err, "--weights is not the map that")) << viewed.err;
+  EXPECT_TRUE(contains(viewed.err, "orm.png:G: --roughness is not what")) << "another channel" << viewed.err;
+  EXPECT_FALSE(contains(viewed.err, "--weights is not what")) << viewed.err;
 }
 
 TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {

@@ -512,7 +512,7 @@ TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
   result = run_program({view, "--scene", path("bad.toml"), path("map.ndf.exr"), "-o", path("x.png")});
   expect_refusal(result, kUsage, {"unknown option '--scene'", "'multum-view animate'"});
   result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", path("bad.toml"), "-o", path("x.png")});
-  expect_refusal(result, kInput, {"bad.toml", "not a plan"});
+  expect_refusal(result, kInput, {"bad.toml", "no plan"});
 }
 
 }  // namespace

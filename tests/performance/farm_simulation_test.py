@@ -69,7 +69,7 @@ class FarmSimulationTest(unittest.TestCase):
     def test_refusals(self):
         (self.folder / "jobs.sqlite").write_text("")
         for options, code, expected in ((("--nodes", "0"), 2, "--nodes is 0"), (("--fail", "2"), 2, "--fail"),
-                                        ((), 3, "contains jobs.sqlite")):
+                                        ((), 3, "has a jobs.sqlite")):
             done = subprocess.run([PROGRAM, "--folder", self.folder, "-o", self.folder / "none.json", *options],
                                   capture_output=True, text=True, check=False, timeout=60)
             self.assertEqual(done.returncode, code, done.stderr)

@@ -432,32 +432,31 @@ void check(const Options& o) {
   at_least("--file-seconds", o.file_seconds, 0);
   at_least("--node-hours", o.node_hours, 0.1);
   if (std::filesystem::exists(o.folder + "/jobs.sqlite"))
-    throw Error(ErrorCode::kInput, o.folder + ": contains jobs.sqlite, expected a folder without jobs.sqlite");
+    throw Error(ErrorCode::kInput, o.folder + ": has a jobs.sqlite, expected a folder without one");
 }
 
 int run(int argc, char** argv) {
   Options o;
-  CLI::App app("Simulates many maps on many Slurm nodes with the real ledger, in virtual time.");
+  CLI::App app("Simulates many maps on many nodes of Slurm's with the real ledger, in virtual time.");
   app.footer("Example: multum-farm-simulation -o run.json --folder /tmp/run --maps 20000 --nodes 100");
-  app.add_option("--folder", o.folder, "folder for the ledger, on the disk to be measured")->required();
-  app.add_option("-o,--output", o.json, "JSON file for the results")->required();
-  app.add_option("--maps", o.maps, "number of maps to bake, one job each")->capture_default_str();
-  app.add_option("--nodes", o.nodes, "number of nodes; each runs one task at a time")->capture_default_str();
-  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: jobs in Slurm at a time")->capture_default_str();
-  app.add_option("--map-seconds", o.map_seconds, "median bake time, in seconds")->capture_default_str();
+  app.add_option("--folder", o.folder, "folder for the ledger, on the disk that is to be measured")->required();
+  app.add_option("-o,--output", o.json, "JSON file of what was found")->required();
+  app.add_option("--maps", o.maps, "maps to bake, a job each")->capture_default_str();
+  app.add_option("--nodes", o.nodes, "nodes, each for a task at a time")->capture_default_str();
+  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: with Slurm at a time")->capture_default_str();
+  app.add_option("--map-seconds", o.map_seconds, "of a bake, median")->capture_default_str();
   app.add_option("--chunk-seconds", o.chunk_seconds, "[slurm] chunk_s")->capture_default_str();
-  app.add_option("--sbatch-seconds", o.sbatch_seconds, "time of a submission, in seconds")->capture_default_str();
-  app.add_option("--file-seconds", o.file_seconds, "time to poll a file of the shared folder, in seconds")
-      ->capture_default_str();
-  app.add_option("--fail", o.fail_share, "share of attempts that fail and are tried again")
+  app.add_option("--sbatch-seconds", o.sbatch_seconds, "of a submission")->capture_default_str();
+  app.add_option("--file-seconds", o.file_seconds, "of a look at a file of the shared folder")->capture_default_str();
+  app.add_option("--fail", o.fail_share, "share of attempts that fail and are worth trying again")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--refuse", o.refuse_share, "share of maps that cannot be baked")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--node-hours", o.node_hours, "hours between two failures of a node")->capture_default_str();
-  app.add_flag("--ask-for-each", o.asks_for_each, "poll each file of each part instead of listing folders");
-  app.add_option("--seed", o.seed, "seed of the random numbers")->capture_default_str();
+  app.add_flag("--ask-for-each", o.asks_for_each, "looks ask for each file of each part, not for their folders' lists");
+  app.add_option("--seed", o.seed, "of what is drawn")->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -39,7 +39,7 @@ int run(int, char**) {
     return answer_or_refusal([&] { return decoder.answer(request, memory); });
   });
   if (exit_code != 0)
-    std::fputs("multum-decode: multum and multum-view start this program to read files; it does nothing on its own\n",
+    std::fputs("multum-decode: multum and multum-view start it, to read files for them; by itself it does nothing\n",
                stderr);
   return exit_code;
 }

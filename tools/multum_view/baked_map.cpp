@@ -116,8 +116,8 @@ namespace {
 // Tan's model is of one BRDF, and of lights that come from somewhere.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, which do not support {}; expected a file "
-                                               "of vMF lobes (--ndf vmf) or harmonics (--ndf sh)",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
+                                               "(--ndf vmf) or harmonics (--ndf sh)",
                                                file, found));
   };
   const BrdfFamily& family = family_of(brdf);
@@ -129,14 +129,13 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
 // Maps with a BRDF's width in: brute force and the paper's formula know one BRDF.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
-    throw Error(ErrorCode::kUsage,
-                file + ": includes the width of its BRDF (multum:roughness), found --brdf, expected none");
+    throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in (multum:roughness), found --brdf, expected none");
   if (!options.light.environment.empty() && compares)
     throw Error(ErrorCode::kUsage, file +
-                                       ": includes the width of its BRDF, found --environment with --compare, expected "
-                                       "only lights: the reference supports only one BRDF");
+                                       ": has its BRDF's width in, found --environment with --compare, "
+                                       "expected lights: brute force knows one BRDF");
   if (options.shading.formula == gl::LobeFormula::kPaper)
-    throw Error(ErrorCode::kUsage, file + ": includes the width of its BRDF, found --formula paper, expected product");
+    throw Error(ErrorCode::kUsage, file + ": has its BRDF's width in, found --formula paper, expected product");
 }
 
 }  // namespace
@@ -146,7 +145,7 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   const ShadingOptions& shading = options.shading;
   if (scenes.basis.size() > 1 && scenes.basis.size() != static_cast<std::size_t>(baked.weight_count))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} weights, found {} --brdf options, expected one, or one per weight", file,
+                fmt::format("{}: holds {} weights, found {} of --brdf, expected one, or one a weight", file,
                             baked.weight_count, scenes.basis.size()));
   if (baked.has_roughness) check_options_of_roughness(file, options, compares);
   const RepresentationInfo& info = representation_info(baked.representation);
@@ -156,7 +155,7 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   };
   if (info.lobes == nullptr && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
   if (baked.has_colours && !shading.colour_map.empty())
-    throw Error(ErrorCode::kUsage, file + ": has colours, found --colour-map, expected only one of them");
+    throw Error(ErrorCode::kUsage, file + ": has colours, found --colour-map, expected one of them");
   if (!info.takes_every_brdf) check_options_of_gaussians(file, options, scenes.first.brdf);
   if (!info.has_slopes && shading.moments) refuse("--moments", "files of moments");
   if (!info.has_kappa && shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper", "lobes");
@@ -173,8 +172,7 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
       representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
-  return "--environment: lean and lean-jacobian give the same result as toksvig, because all three use one lobe around "
-         "the mean normal";
+  return "--environment: lean and lean-jacobian are the same as toksvig in its light, one lobe of the mean normal";
 }
 
 }  // namespace multum

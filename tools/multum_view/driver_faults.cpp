@@ -29,10 +29,11 @@ void on_fault(int) {
 void explain_driver_faults() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  const auto end = fmt::format_to_n(g_message.data(), g_message.size(),
-                                    "multum-view: the OpenGL driver failed, most likely for lack of memory: this "
-                                    "process can use {} MiB, expected more; set a higher limit (ulimit -v)\n",
-                                    limit.rlim_cur >> 20);
+  const auto end = fmt::format_to_n(
+      g_message.data(), g_message.size(),
+      "multum-view: the OpenGL driver failed, most likely for lack of memory: this process may take {} MiB, expected "
+      "more; set a higher limit (ulimit -v)\n",
+      limit.rlim_cur >> 20);
   g_message_size = std::min(end.size, g_message.size());
   struct sigaction action = {};
   action.sa_handler = on_fault;

@@ -34,19 +34,17 @@ gl::Picture read_kept_reference(const std::string& path, int width, int height) 
   const auto head_bytes = static_cast<std::int64_t>(kKeptMagic.size() + sizeof(KeptHead));
   const std::int64_t pixel_bytes = pixels * 4 * static_cast<std::int64_t>(sizeof(float));
   const auto refuse = [&](const std::string& found) {
-    refuse_file(
-        path,
-        fmt::format(
-            "{}, expected a reference of {} x {} pixels from --keep-reference; remove the file, and it is drawn again",
-            found, width, height));
+    refuse_file(path, fmt::format("{}, expected a reference of {} x {} pixels that --keep-reference wrote; remove the "
+                                  "file to have it drawn",
+                                  found, width, height));
   };
   if (file.size() < head_bytes || file.bytes(0, std::ssize(kKeptMagic), "the kind of file") != kKeptMagic)
-    refuse("is not a reference picture");
+    refuse("is no reference picture");
   KeptHead head{};
   const std::string bytes = file.bytes(std::ssize(kKeptMagic), sizeof(KeptHead), "the head");
   std::memcpy(&head, bytes.data(), sizeof(KeptHead));
   if (head.width != width || head.height != height) refuse(fmt::format("is of {} x {}", head.width, head.height));
-  if (file.size() != head_bytes + pixel_bytes) refuse("is cut short, or too long");
+  if (file.size() != head_bytes + pixel_bytes) refuse("is cut, or too long");
   gl::Picture picture{{width, height, std::vector<float>(static_cast<std::size_t>(4 * pixels))}, head.frame_time_ms};
   const std::string values = file.bytes(head_bytes, pixel_bytes, "the pixels");
   std::memcpy(picture.image.rgba.data(), values.data(), values.size());

@@ -153,7 +153,7 @@ void check_brdf_roughness(const MapOptions& options) {
     refuse(brdfs.empty() ? "no --brdf" : "--brdf " + brdfs[0], "--brdf ggx:ROUGHNESS");
   if (!picture.light.environment.empty()) refuse("--environment", "lights");
   for (const std::string& one : options.comparison.pictures)
-    if (one != "reference" && one != "mip") refuse("--compare " + one, "reference and mip, which support GGX");
+    if (one != "reference" && one != "mip") refuse("--compare " + one, "reference and mip, which know GGX");
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ class TemporaryImages {
   TemporaryImages() {
     std::string pattern = (std::filesystem::temp_directory_path() / "multum_view_XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
-      throw Error(ErrorCode::kEnvironment, pattern + ": cannot create a folder for the model's images");
+      throw Error(ErrorCode::kEnvironment, pattern + ": cannot be made a folder for the model's images");
     folder_ = pattern;
   }
   ~TemporaryImages() {
@@ -117,11 +117,10 @@ class Model {
     for (const GltfMaterial& material : materials.materials) {
       names.insert(material.name);
       if (material.anisotropy > 0.0f && picture_.material.brdfs.empty())
-        throw Error(
-            ErrorCode::kInput,
-            fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected only "
-                        "isotropic materials, because lobes are shaded without anisotropy; --brdf sets another BRDF",
-                        picture_.surface.mesh, material.name, material.anisotropy));
+        throw Error(ErrorCode::kInput,
+                    fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected "
+                                "materials of roughness alone, which lobes are shaded with; --brdf takes another",
+                                picture_.surface.mesh, material.name, material.anisotropy));
     }
     for (const auto& [name, file] : files_)
       if (names.count(name) == 0)
@@ -162,8 +161,7 @@ class Model {
     const BakedMap map = read_baked_map(file->second);
     check_options_of(file->second, picture_, scenes_, false, map.header);
     if (map.header.first_level > 0)
-      throw Error(ErrorCode::kInput,
-                  file->second + ": holds no level 0, expected a file with all levels for --material");
+      throw Error(ErrorCode::kInput, file->second + ": holds no level 0, expected files of all levels for --material");
     surfaces_.push_back(make_material(gl, map, picture_.shading, {}));
     return surfaces_.back().get();
   }

@@ -68,7 +68,7 @@ class PlanView {
   void apply_repeat(SurfaceOptions& surface) const {
     const auto repeat = view_.at("repeat").get<float>();
     if (!(repeat >= 1e-6f && repeat <= 1e6f))
-      throw Error(ErrorCode::kInput, fmt::format("'repeat' of the plan is {:g}, expected 1e-06 to 1e+06", repeat));
+      throw Error(ErrorCode::kInput, fmt::format("repeat of a plan is {:g}, expected 1e-06 to 1e+06", repeat));
     if (!surface.repeat) surface.repeat = repeat;
   }
   void apply_source(SourceOptions& source) const {
@@ -106,14 +106,14 @@ void apply_scene_plan(MapOptions& options) {
   const std::string& path = options.plan;
   const std::optional<std::string> text = json_of_file(path, StandardInput::kAllowed);
   if (!text)
-    throw Error(ErrorCode::kInput, path + ": no such file, expected the plan.json that multum bake scene.toml wrote");
+    throw Error(ErrorCode::kInput, path + ": no such file, expected plan.json as multum bake scene.toml writes it");
   const Json plan = Json::parse(*text, nullptr, false);
   if (!plan.is_object() || !plan.contains("objects"))
-    throw Error(ErrorCode::kInput, path + ": is not a plan, expected the plan.json that multum bake scene.toml wrote");
+    throw Error(ErrorCode::kInput, path + ": is no plan, expected plan.json as multum bake scene.toml writes it");
   try {
     PlanView(object_named(plan, path, options.object).at("view"), fs::path(path).parent_path()).apply(options);
   } catch (const Json::exception& error) {
-    throw Error(ErrorCode::kInput, fmt::format("{}: is a plan that cannot be drawn: {}", path, error.what()));
+    throw Error(ErrorCode::kInput, fmt::format("{}: is no plan that can be drawn: {}", path, error.what()));
   }
 }
 

@@ -69,8 +69,8 @@ gl::MeshData plane_data() {
 NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMipmap& mipmap) {
   const std::string& baked = mipmap.header.provenance.file_hash();
   if (const std::string found = hash_file(options.source); !baked.empty() && found != baked)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: has changed since the bake: SHA-256 {}, expected {}", options.source, found, baked));
+    throw Error(ErrorCode::kInput, fmt::format("{}: has changed since it was baked: SHA-256 {}, expected {}",
+                                               options.source, found, baked));
   NormalMapSettings settings = parse_reading_settings(mipmap.header.provenance.settings);
   settings.wrap_s = mipmap.header.wrap_s;
   settings.wrap_t = mipmap.header.wrap_t;

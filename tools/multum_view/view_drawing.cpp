@@ -145,9 +145,10 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
-  log_warning(options.file, fmt::format("is {} x {} texels; with --anisotropy, this software renderer is wrong for "
-                                        "sizes that are not powers of two: omit --anisotropy for a correct picture",
-                                        baked.width, baked.height));
+  log_warning(options.file,
+              fmt::format("is {} x {} texels; this software renderer filters sizes that are no powers of two "
+                          "wrongly with --anisotropy: leave it out for a right picture",
+                          baked.width, baked.height));
 }
 
 }  // namespace multum

@@ -52,11 +52,10 @@ void warn_of_another(const std::string& file, const BakedHeader& baked, const ch
   if (!settings.is_object() || !settings.contains(key) || !settings[key].is_string()) return;
   const std::string stated = settings[key].get<std::string>();
   if (stated.empty() || stated == hash_file(path) + ending) return;
-  log_warning(
-      path + ending,
-      fmt::format(
-          "{} is not the map that {} was baked with ({} {}): the reference and the baselines may show another material",
-          option, file, key, stated));
+  log_warning(path + ending,
+              fmt::format("{} is not what {} was baked with ({} {}): the reference and the baselines may show another "
+                          "material",
+                          option, file, key, stated));
 }
 
 ChannelFile roughness_file(const SourceOptions& source) {
@@ -69,17 +68,17 @@ ChannelFile roughness_file(const SourceOptions& source) {
 void check_materials(const MapOptions& options, const BakedHeader& baked, const ChannelFile& roughness,
                      std::size_t brdf_count) {
   if (baked.has_roughness == roughness.path.empty())
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has {}baked-in roughness, found {}, expected {} next to --source",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has {}roughness in, found {}, expected {} beside --source",
                                                options.file, baked.has_roughness ? "" : "no ",
                                                roughness.path.empty() ? "no --roughness and no --gloss"
                                                : roughness.is_gloss   ? "--gloss"
                                                                       : "--roughness",
                                                baked.has_roughness ? "the map that it was baked with" : "none"));
   if (brdf_count > 1 && options.source.weights.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("{}: found {} --brdf options and no --weights, expected the weights of the bake next to --source",
-                    options.file, brdf_count));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: found {} of --brdf and no --weights, expected the map that it was baked with beside "
+                            "--source",
+                            options.file, brdf_count));
 }
 
 /// Normals as the bake had them, shortened by roughness: planes all the way, texels once they are done.
@@ -185,8 +184,8 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   const std::string& source = options.source.normals;
   if (source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map of the bake, "
-                            "which provides the finer levels ({}, SHA-256 {})",
+                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
+                            "baked from, which has the finer ones ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
                             baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
@@ -209,8 +208,8 @@ void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, Vi
   if (options.brdf_roughness.empty()) return;
   if (!representation_info(baked.representation).has_kappa || baked.has_roughness)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {}, found --brdf-roughness, expected a file of vMF lobes without baked-in roughness",
-                            options.file, baked.has_roughness ? "has baked-in roughness" : "holds no vMF lobes"));
+                fmt::format("{}: {}, found --brdf-roughness, expected it for files of lobes without", options.file,
+                            baked.has_roughness ? "has roughness in" : "holds no vMF lobes"));
   LobeMaterial material =
       read_lobe_material({parse_channel_file(options.brdf_roughness), {}, {}}, baked.width, baked.height, {}, 1);
   for (const std::string& warning : material.roughness->warnings) log_named_warning(warning);
@@ -226,7 +225,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
     log_warning(options.environment,
-                fmt::format("{} texels are negative or not finite, read as black", colours.clamped_count));
+                fmt::format("{} texels are negative or not finite: they count as black", colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return make_environment_light(std::move(map));
@@ -247,13 +246,12 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.normals.empty() && options.comparison.pictures.empty())
-    log_warning(options.source.normals,
-                "is not read without --compare, because the picture of the baked map does not need it");
+    log_warning(options.source.normals, "is not read without --compare: the baked map's picture does not need it");
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
-    log_warning(
-        options.file,
-        fmt::format("has colours from level {} on; without --albedo, the finer levels show blurred colours of level {}",
-                    baked.first_level, baked.first_level));
+    log_warning(options.file,
+                fmt::format("has colours from level {} on; without --albedo the finer levels have those of level "
+                            "{}, blurred",
+                            baked.first_level, baked.first_level));
 }
 
 }  // namespace multum

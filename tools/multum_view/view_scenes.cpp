@@ -30,7 +30,7 @@ void set_up(const PictureOptions& options, ViewScenes& scenes) {
   const bool is_plane = options.surface.mesh.empty();
   scenes.up = options.camera.up.value_or(is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f));
   if (options.camera.up && (scenes.has_camera || is_plane) && looks_along(camera, scenes.up))
-    throw Error(ErrorCode::kUsage, "--up is parallel to the line of sight, expected another direction, e.g. 0,0,1");
+    throw Error(ErrorCode::kUsage, "--up lies along the line of sight, expected another direction, e.g. 0,0,1");
   // Looking straight up or down, another direction has to be up: further away on the plane, and away from who
   // looks at a mesh from the front.
   if (!options.camera.up && scenes.has_camera && looks_along(camera, scenes.up))
@@ -61,8 +61,8 @@ std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environmen
   for (const auto& [option, colours] :
        {std::pair{"--diffuse", &options.diffuse}, std::pair{"--specular", &options.specular}})
     if (colours->size() > 1 && colours->size() != brdfs.size())
-      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of {} --brdf options",
-                                                 option, colours->size(), brdfs.size()));
+      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of {} --brdf", option,
+                                                 colours->size(), brdfs.size()));
   std::vector<Brdf> basis;
   for (std::size_t k = 0; k < brdfs.size(); ++k) {
     Brdf brdf = parse_brdf("--brdf", brdfs[k], options.term_count);
@@ -79,12 +79,12 @@ std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environmen
 void change_brdf(const AnimationOptions& options, const ViewScenes& scenes, Brdf& brdf) {
   if (scenes.basis.size() > 1 && (!options.brdf.empty() || options.diffuse || options.specular))
     throw Error(ErrorCode::kUsage,
-                "--to-brdf, --to-diffuse and --to-specular change one BRDF, found several --brdf options");
+                "--to-brdf, --to-diffuse and --to-specular change one BRDF, found several of --brdf");
   if (!options.brdf.empty()) {
     const Brdf before = brdf;
     brdf = parse_brdf("--to-brdf", options.brdf, before.term_count);
     if (brdf.kind != before.kind || brdf.kind == BrdfKind::kMeasured)
-      refuse_value("--to-brdf", options.brdf, "another parameter of the same family as --brdf");
+      refuse_value("--to-brdf", options.brdf, "another parameter of the family that --brdf has");
     brdf.diffuse = before.diffuse;
     brdf.specular = before.specular;
   }
@@ -96,7 +96,7 @@ template <typename Light>
 void change_lights(const char* option, const std::vector<Light>& changed, std::vector<Light>& lights) {
   if (changed.empty()) return;
   if (changed.size() != lights.size())
-    throw Error(ErrorCode::kUsage, fmt::format("{}: found {} lights, expected {} as in the first frame", option,
+    throw Error(ErrorCode::kUsage, fmt::format("{}: found {} lights, expected the {} of the first frame", option,
                                                changed.size(), lights.size()));
   lights = changed;
 }
@@ -117,9 +117,9 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.first.filter.is_turned = !options.surface.mesh.empty();
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())
-    throw Error(ErrorCode::kUsage, "--fixed-fresnel: supports only lights, found --environment, expected none");
+    throw Error(ErrorCode::kUsage, "--fixed-fresnel: is for lights alone; found --environment, expected none");
   if (options.shading.formula == gl::LobeFormula::kPaper && scenes.first.brdf.kind != BrdfKind::kBlinnPhong)
-    throw Error(ErrorCode::kUsage, "--formula paper: supports only Blinn-Phong; use it with --brdf blinn-phong:S");
+    throw Error(ErrorCode::kUsage, "--formula paper is Blinn-Phong's; use it with --brdf blinn-phong:S");
   scenes.last = scenes.first;
   return scenes;
 }

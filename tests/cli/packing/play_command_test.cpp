@@ -202,7 +202,7 @@ TEST_F(PlayCommandTest, RefusesWhatCannotBePlayed) {
   refused({"--path", "view=1", "--debug-picture", path("field.mpt")}, 2, {"field.mpt"});
   const ProgramResult folder = view({"play", path("out"), "--path", "view=1", "-o", path("frames")});
   EXPECT_EQ(folder.exit_code, 3);
-  expect_says(folder.err, {"not a packed field", "multum pack"});
+  expect_says(folder.err, {"no packed field", "multum pack"});
   write_bytes(path("field.mpt"), read_bytes(path("field.mpt")).substr(0, 200));
   refused({"--path", "view=1"}, 3, {"field.mpt", "bytes"});
 }

@@ -75,7 +75,7 @@ std::vector<std::vector<double>> points_of(const PlayOptions& options, const Rec
   const double all = std::max(1.0, std::ceil(path.seconds() * rate));
   if (options.frame_count == 0 && all > kFramesMax)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {:g} s are {:.0f} frames, expected up to {}: use --frames, or a lower --rate",
+                fmt::format("{}: {:g} s are {:.0f} frames, expected up to {}: give --frames, or a lower --rate",
                             options.path, path.seconds(), all, kFramesMax));
   const int count = options.frame_count > 0 ? options.frame_count : static_cast<int>(all);
   std::vector<std::vector<double>> points;
@@ -266,7 +266,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
 
 int play_field(const PlayOptions& options) {
   if (!is_packed_field(options.file))
-    throw Error(ErrorCode::kInput, options.file + ": is not a packed field, expected a file of multum pack");
+    throw Error(ErrorCode::kInput, options.file + ": is no packed field, expected a file of multum pack");
   if (!options.debug_picture.empty()) check_picture_path(options.debug_picture);
   const gl::PlayerSettings settings = player_settings(options);
   const InferredManifest field = PackedFieldFile(options.file).description().field;
@@ -286,7 +286,7 @@ int play_field(const PlayOptions& options) {
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;
-  std::string text = "damaged parts are left out, everything else is drawn:";
+  std::string text = "left out, all else is drawn:";
   for (const std::string& what : damaged) text += "\n  " + what;
   throw Error(ErrorCode::kVerification, text);
 }

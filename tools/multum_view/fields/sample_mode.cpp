@@ -90,8 +90,7 @@ class PackedTextures : public TextureSource {
   /// Throws Error(kVerification) naming what was left out.
   void refuse_damage() const {
     if (damaged_.empty()) return;
-    throw Error(ErrorCode::kVerification,
-                fmt::format("damaged parts are left out, everything else is drawn:\n{}", fmt::join(damaged_, "\n")));
+    throw Error(ErrorCode::kVerification, fmt::format("left out, all else is drawn:\n{}", fmt::join(damaged_, "\n")));
   }
 
  private:
@@ -119,7 +118,7 @@ void check_outputs(const TextureSource& source, const std::vector<std::string>& 
   for (const fs::path& file : source.files()) inputs.insert(fs::weakly_canonical(file));
   for (const std::string& output : outputs)
     if (inputs.count(fs::weakly_canonical(output)) > 0)
-      throw Error(ErrorCode::kUsage, output + ": is also an input, expected another file name for the output");
+      throw Error(ErrorCode::kUsage, output + ": is read, expected the name of another file to write");
   check_paths_differ({}, outputs);
   for (const std::string& output : outputs) check_writable(output);
 }
@@ -212,9 +211,8 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
 
 int draw_samples(const SampleOptions& options) {
   if (options.samples.size() != options.outputs.size())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("found {} samples and {} --output options, expected one output for each sample",
-                            options.samples.size(), options.outputs.size()));
+    throw Error(ErrorCode::kUsage, fmt::format("{} samples and {} --output: expected one output for each sample",
+                                               options.samples.size(), options.outputs.size()));
   for (const std::string& output : options.outputs) check_picture_path(output);
   if (is_packed_field(options.folder)) {
     PackedTextures packed(options.folder);
