@@ -34,7 +34,7 @@ class Glb {
     }
     if (!this.json || typeof this.json !== "object" || Array.isArray(this.json)) this.refuse("has no JSON");
     const unknown = this.entries("extensionsRequired").filter((one) => !REQUIRED_KNOWN.includes(one));
-    if (unknown.length > 0) this.refuse(`needs ${unknown.join(", ")}, which this player does not have`);
+    if (unknown.length > 0) this.refuse(`needs ${unknown.join(", ")}, which this player does not support`);
   }
 
   refuse(what) { throw new FieldError(`${this.name}: ${what}`); }
@@ -49,7 +49,7 @@ class Glb {
 
   entries(key, object = this.json) {
     const list = object[key] ?? [];
-    if (!Array.isArray(list)) this.refuse(`its ${key} are no list`);
+    if (!Array.isArray(list)) this.refuse(`its ${key} are not a list`);
     return list;
   }
   entry(key, index) {
@@ -66,7 +66,7 @@ class Glb {
     if (accessor.sparse !== undefined) this.refuse(`accessors[${index}] is sparse, which this player does not read`);
     if (accessor.type !== type) this.refuse(`accessors[${index}] is ${accessor.type}, expected ${type}`);
     const [List, most] = COMPONENTS.get(accessor.componentType) ??
-      this.refuse(`accessors[${index}] has an unknown component type`);
+      this.refuse(`accessors[${index}] has an unknown type of numbers`);
     const width = WIDTHS[type];
     const count = accessor.count;
     const view = this.entry("bufferViews", accessor.bufferView);
@@ -77,7 +77,7 @@ class Glb {
     const begin = (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0);
     const isSound = [count, stride, begin].every((one) => Number.isInteger(one) && one >= 0) &&
       stride >= width * size && (count === 0 || begin + (count - 1) * stride + width * size <= this.binary.length);
-    if (!isSound) this.refuse(`accessors[${index}] lies beyond its buffer`);
+    if (!isSound) this.refuse(`accessors[${index}] extends beyond its buffer`);
     const bytes = new DataView(this.binary.buffer, this.binary.byteOffset, this.binary.byteLength);
     const get = { 1: "getUint8", 2: "getUint16", 4: List === Uint32Array ? "getUint32" : "getFloat32" }[size];
     const values = isIndex ? new Uint32Array(count) : new Float32Array(count * width);
@@ -93,7 +93,7 @@ class Glb {
   nodeMatrix(node) {
     const numbers = (list, count) => {
       if (!Array.isArray(list) || list.length !== count || !list.every(Number.isFinite))
-        this.refuse("has a node that is placed by no numbers");
+        this.refuse("has a node whose transform is not numeric");
       return list;
     };
     if (node.matrix !== undefined) return Float64Array.from(numbers(node.matrix, 16));
@@ -118,12 +118,14 @@ class Glb {
     const positions = this.values(attributes.POSITION, "VEC3", false);
     const uvs = this.values(attributes[`TEXCOORD_${uvSet}`], "VEC2", false);
     const count = positions.length / 3;
-    if (uvs.length / 2 !== count) this.refuse(`object '${object.name}' has ${uvs.length / 2} texture coordinates`);
+    if (uvs.length / 2 !== count)
+      this.refuse(`object '${object.name}' has ${uvs.length / 2} texture coordinates and ${count} vertices`);
     const indices = primitive.indices === undefined
       ? Uint32Array.from({ length: count }, (_, i) => i) : this.values(primitive.indices, "SCALAR", true);
     for (let i = 0; i + 2 < indices.length; i += 3)
       for (const index of indices.subarray(i, i + 3)) {
-        if (index >= count) this.refuse(`object '${object.name}' has a triangle of vertex ${index} of ${count}`);
+        if (index >= count)
+          this.refuse(`object '${object.name}' has a triangle with vertex ${index}, expected one below ${count}`);
         object.positions.push(...positions.subarray(3 * index, 3 * index + 3));
         object.uvs.push(uvs[2 * index], 1 - uvs[2 * index + 1]); // v grows downwards in glTF
       }
@@ -138,7 +140,7 @@ class Glb {
     const visited = new Set();
     while (open.length > 0) {
       const [index, parent] = open.pop();
-      if (visited.has(index)) this.refuse(`has nodes[${index}] in two places, or within itself`);
+      if (visited.has(index)) this.refuse(`has nodes[${index}] in two places, or inside itself`);
       visited.add(index);
       const node = this.entry("nodes", index);
       const objectToWorld = multiplied(parent, this.nodeMatrix(node));
@@ -149,8 +151,8 @@ class Glb {
       for (const primitive of this.entries("primitives", mesh)) this.append(primitive, object, uvSet);
       if (object.positions.length === 0) continue;
       if (!objectToWorld.every(Number.isFinite))
-        this.refuse(`object '${object.name}' is placed by a matrix that is not finite`);
-      if (objects.has(object.name)) this.refuse(`object '${object.name}' is there twice`);
+        this.refuse(`object '${object.name}' has a transform matrix that is not finite`);
+      if (objects.has(object.name)) this.refuse(`object '${object.name}' appears twice`);
       objects.set(object.name, object);
     }
     return objects;

@@ -127,14 +127,14 @@ export class MptFile {
         const { done, value } = await from.read();
         if (done) break;
         count += value.length;
-        if (count > length) this.refuse("its description is longer than it says");
+        if (count > length) this.refuse("its description is longer than its stated length");
         parts.push(value);
       }
     } catch (error) {
       if (error instanceof FieldError) throw error;
       this.refuse("its description cannot be inflated");
     }
-    if (count !== length) this.refuse("its description is shorter than it says");
+    if (count !== length) this.refuse("its description is shorter than its stated length");
     try {
       return JSON.parse(await new Blob(parts).text());
     } catch {

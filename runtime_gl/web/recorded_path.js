@@ -18,9 +18,9 @@ export class RecordedPath {
     try {
       json = JSON.parse(text);
     } catch {
-      throw new Error("the path is not JSON, expected a path that a player's page saved");
+      throw new Error("the path is not JSON");
     }
-    if (json?.multumPath !== 1) throw new Error("the file is not a path, expected \"multumPath\": 1");
+    if (json?.multumPath !== 1) throw new Error("the file is not a path: expected \"multumPath\": 1");
     if (JSON.stringify(json.parameters) !== JSON.stringify(parameters))
       throw new Error(`the path is a path through ${json.parameters}, expected the field's parameters ${parameters}`);
     const isSound = Array.isArray(json.positions) && json.positions.length >= 2 &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walks through the player of packed fields in headless Chromium. Started by player_page_test.cpp, which makes FOLDER:
-// player/, page.html, expected.json and the pictures that it names.
+// Walks through the player of packed fields in headless Chromium. player_page_test.cpp starts this script and makes
+// FOLDER: player/, page.html, expected.json and the pictures that it names.
 //
 //   node player_test.mjs CHROMIUM FOLDER SCREENSHOTS [STEP [SECONDS_OF_WANDERING]]
 import assert from "node:assert/strict";
@@ -14,9 +14,9 @@ import { descriptionOf, descriptionSection, fileOf, sectionsOf } from "./mpt_wri
 import { RangeServer } from "./range_server.mjs";
 
 const [executablePath, folder, screenshots, only = "", seconds = "10"] = process.argv.slice(2);
-const PATIENCE = 30000; // ms: a machine may be busy with other things
-// Of pictures beside multum-view's, in 8-bit values: this GL has 4 bits below a pixel where the other has 8, so pixels
-// at edges differ by their coverage; all others by roundings of halves and of the sRGB curve.
+const PATIENCE = 30000; // ms; the machine may be busy
+// Allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position where the
+// other has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats and of sRGB.
 const NEAR = 2;
 const NEAR_SHARE_LEAST = 0.995;
 const MEAN_MOST = 0.15;
@@ -30,7 +30,7 @@ const browser = await chromium.launch({
 const field = (await readdir(path.join(folder, "player"))).find((name) => name.endsWith(".mpt"));
 const bytes = await readFile(path.join(folder, "player", field));
 const expected = JSON.parse(await readFile(path.join(folder, "expected.json")));
-const complaints = []; // of any page
+const complaints = []; // of all pages
 const expectedNoise = /GL Driver Message|Failed to load resource|GPU stall/;
 
 async function openPage(url, { width = 1280, height = 800, colorScheme = "light", hasTouch = false } = {}) {
@@ -43,7 +43,7 @@ async function openPage(url, { width = 1280, height = 800, colorScheme = "light"
       complaints.push(message.text());
   });
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("dialog", (dialog) => complaints.push(`a script of a stranger says ${dialog.message()}`));
+  page.on("dialog", (dialog) => complaints.push(`a foreign script says ${dialog.message()}`));
   page.on("request", (request) => {
     if (!/^(data|blob|file):/.test(request.url()) && !request.url().startsWith(server.url))
       complaints.push(`a request to ${request.url()}`);
@@ -65,7 +65,7 @@ const problems = (page) => page.locator("#problem-list li").allTextContents();
 const problem = (page, pattern) => until(`a problem like ${pattern}`, async () =>
   (await problems(page)).some((text) => pattern.test(text)));
 
-/** How the current picture differs from a PNG, given as base64. */
+/** Returns the difference of the current picture from a PNG, given as base64. */
 const difference = (page, png) => page.evaluate(async (data) => {
   const image = new Image();
   image.src = `data:image/png;base64,${data}`;
@@ -126,7 +126,7 @@ const described = (change) => {
   sections[place] = descriptionSection(change(json) ?? json);
   return fileOf(sections);
 };
-/** With a section in front of all others, so that they lie beyond the first bytes that are read. */
+/** Returns a file with a section in front of all others, so that these are beyond the bytes that are read first. */
 const farApart = fileOf([{ kind: 9, layer: 0, block: 0, bytes: Buffer.alloc(200000, 7) }, ...sectionsOf(bytes)]);
 
 // ---- Steps
@@ -137,7 +137,7 @@ const steps = {
     await comparePictures(page);
     await goTo(page, [0.5, 0]);
     assert.deepEqual(await problems(page), []);
-    // In between, it is neither of both and no mere copy.
+    // The picture in between differs from both neighbours.
     for (const { picture } of expected.slice(0, 2)) {
       const found = await difference(page, await readFile(path.join(folder, picture)));
       assert.ok(found.mean > 0.3, `half way is ${picture}`);
@@ -161,7 +161,7 @@ const steps = {
     assert.ok(asked.length >= 3 && asked.every((range) => range !== undefined), asked.join(" "));
     const fetched = asked.map((range) => /(\d+)-(\d+)/.exec(range).slice(1).map(Number))
       .reduce((sum, [first, last]) => sum + last - first + 1, 0);
-    assert.ok(fetched < farApart.length / 2, `${fetched} of ${farApart.length} bytes were asked for`);
+    assert.ok(fetched < farApart.length / 2, `${fetched} of ${farApart.length} bytes were requested`);
     await close(page);
   },
 
@@ -196,7 +196,7 @@ const steps = {
     await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
     await comparePictures(page, expected.slice(0, 1));
     await close(page);
-    // One chunk alone: the rest plays, and it comes when it is asked for again.
+    // A single chunk fails: the rest plays, and a later request gets the chunk.
     let isThere = false;
     let failed = null;
     const other = await openPlayer(variant("chunkless", farApart, (file, count) => {
@@ -224,7 +224,7 @@ const steps = {
       Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1)));
     assert.ok(picture > 60, "nothing is drawn");
     await shoot(page, "damaged");
-    // The same under a checksum that is right: what the decoder makes of it, or refuses, but the page lives.
+    // Damage with a correct checksum: the decoder decodes or refuses it, and the page survives.
     for (const change of [(b) => { b[9] ^= 64; }, (b) => b.fill(255, 1, 8), (b) => { b[1] = 1; }]) {
       const own = sectionsOf(bytes);
       own[place].bytes = Buffer.from(own[place].bytes);
@@ -245,7 +245,7 @@ const steps = {
       index: [Buffer.from(bytes.map((b, i) => (i === 12 ? b ^ 1 : b))), /checksum of its index differs/],
       tiny: [bytes.subarray(0, 30), /cut short within its index/],
       hugeIndex: [Buffer.from(bytes.map((b, i) => (i >= 5 && i < 9 ? 255 : b))), /expected at most 2\^26/],
-      bomb: [fileOf([descriptionSection(`"${" ".repeat(50000000)}"`, 1000)]), /longer than it says/],
+      bomb: [fileOf([descriptionSection(`"${" ".repeat(50000000)}"`, 1000)]), /longer than its stated length/],
       noJson: [fileOf([descriptionSection("{", 1)]), /not JSON/],
       nothing: [fileOf([]), /no description/],
       list: [fileOf([descriptionSection("[]")]), /is not an object/],
@@ -265,7 +265,7 @@ const steps = {
       assert.equal(await page.evaluate(() => globalThis.multumPlayer), undefined, name);
       await close(page);
     }
-    // Geometry too.
+    // Damaged geometry is refused too.
     const geometry = await readFile(path.join(folder, "player", "geometry.glb"));
     for (const [name, file, pattern] of [["glb_text", Buffer.from("o quad\nv 0 0 0\n and so on"), /not a binary glTF/],
       ["glb_cut", geometry.subarray(0, geometry.length - 100), /its head says/],
@@ -284,11 +284,11 @@ const steps = {
     for (const [name, file, content, pattern] of [
       ["no_wasm", "packed_field.wasm", null, /packed_field\.wasm: the server answered 404, expected 200/],
       ["bad_wasm", "packed_field.wasm", Buffer.from("no module"), /layer '.+' of object '.+', block \d: .*WebAssembly/],
-      ["no_worker", "decoding_worker.js", null, /a worker that decodes broke down/]]) {
+      ["no_worker", "decoding_worker.js", null, /a decoding worker failed/]]) {
       const page = await openPage(server.copy(name, "player", content ? { [file]: content } : {}, (one) =>
         (one === file && content === null ? { status: 404 } : {})));
       await problem(page, pattern);
-      // Nothing waits for ever.
+      // No request waits for ever.
       if (name !== "no_wasm") await page.evaluate(() => globalThis.multumPlayer.settled());
       await close(page);
     }
@@ -325,7 +325,7 @@ const steps = {
       await page.evaluate(() => globalThis.multumPlayer.say("a problem, as it is shown"));
       await noSideways(page);
       const { count, found } = await lowContrasts(page);
-      assert.ok(count > 40, `${count} texts were looked at`);
+      assert.ok(count > 40, `${count} texts were checked`);
       assert.deepEqual(found, []);
       await shoot(page, `${name}_open`);
       await close(page);
@@ -343,7 +343,7 @@ const steps = {
         const style = getComputedStyle(around);
         return [element.id || element.tagName, style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
       });
-      if (name !== "BODY") assert.ok(isSeen, `no focus is seen on ${name}`);
+      if (name !== "BODY") assert.ok(isSeen, `no visible focus on ${name}`);
       seen.push(name);
     }
     const places = ["open", "stage", "play", "record", "full-screen", "pad", "parameter-0", "parameter-1"];
@@ -463,7 +463,7 @@ const steps = {
 
   async aTabInTheBackgroundGoesOn() {
     const context = await browser.newContext();
-    await context.addInitScript(() => { globalThis.requestAnimationFrame = () => 0; }); // it has no frames
+    await context.addInitScript(() => { globalThis.requestAnimationFrame = () => 0; }); // no animation frames
     const page = await context.newPage();
     await page.goto(`${server.url}/player/index.html`);
     const soon = (check) => page.waitForFunction(check, undefined, { polling: 50 });
@@ -482,7 +482,7 @@ const steps = {
       await page.evaluate((one) => { setTimeout(() => Promise.reject(one)); }, thrown);
     await problem(page, /failed: the browser gives no reason/);
     assert.ok((await problems(page)).every((text) => !/undefined|null/.test(text)));
-    complaints.length = 0; // what the test has thrown
+    complaints.length = 0; // errors that the test has thrown itself
     await close(page);
   },
 
@@ -504,7 +504,7 @@ const steps = {
     const { most, pictures } = await page.evaluate(async () => {
       const player = globalThis.multumPlayer;
       const { gl } = player.gl;
-      // Fences are counted by the page's own; the driver's come late here, as a slow one's do.
+      // The page counts its own fences. Here the driver's fences come late, as with a slow driver.
       const known = gl.getSyncParameter.bind(gl);
       const made = new Map();
       const fenceSync = gl.fenceSync.bind(gl);
@@ -581,7 +581,7 @@ const steps = {
       for (let state = 1; performance.now() - begun < ms; ++frames) {
         state = (state * 1103515245 + 12345) % 2147483648;
         const t = (performance.now() - begun) / 1000;
-        // Smoothly, with leaps now and then.
+        // Moves smoothly, with a jump from time to time.
         const leap = state % 97 === 0 ? 1 : 0;
         player.moveTo(player.description.sizes.map((size, d) =>
           (size - 1) * (0.5 + 0.5 * Math.sin((1.3 + d) * t + leap * state))));
@@ -591,7 +591,7 @@ const steps = {
       return { most, peak: player.store.peak, frames, evictions: player.store.evictions,
         misses: player.statistics.misses, decoded: player.statistics.decoded, workers: player.pool.memory };
     }, [budget, duration]);
-    await wander(2000); // until everything has been compiled
+    await wander(2000); // until all shaders have been compiled
     const before = await heap();
     const found = await wander(1000 * Number(seconds));
     const after = await heap();
@@ -599,11 +599,11 @@ const steps = {
       `${found.misses} misses, ${found.peak} of ${budget} bytes at most; JavaScript's heap ${before} before, ` +
       `${after} after; decoders ${found.workers}`);
     assert.ok(found.peak <= budget && found.most <= budget, `${found.peak} bytes, the budget is ${budget}`);
-    assert.ok(found.evictions > 0, "the budget holds all of it");
+    assert.ok(found.evictions > 0, "the budget is enough for all images");
     assert.ok(after < before * 1.15 + 2e5, `the heap has grown from ${before} to ${after}`);
     assert.ok(found.workers < 200e6);
     await comparePictures(page, expected.slice(0, 1));
-    // And one that is too small for a single picture draws what it can.
+    // With a budget that is too small for a single picture, the page draws as much as it can.
     await page.evaluate(() => globalThis.multumPlayer.setBudget(3000));
     await page.waitForTimeout(500);
     assert.ok(await page.evaluate(() => globalThis.multumPlayer.store.bytes) <= 3000);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What sbatch refuses: arrays beyond MaxArraySize become smaller ones, what Slurm never takes ends its job once, with
-Slurm's words, and what it does not take now waits. With a stand-in for Slurm's commands (stand_in_slurm.py), and with a
-real Slurm where one can be started (slurm_harness.py). MULTUM names the program.
+"""Refusals of sbatch: arrays beyond MaxArraySize become smaller arrays; a job that Slurm never accepts ends once, with
+Slurm's message; a job that it does not accept at the moment waits. Runs with a stand-in for Slurm's commands
+(stand_in_slurm.py), and with a real Slurm if one can be started (slurm_harness.py). MULTUM names the program.
 
   MULTUM=build/release/bin/multum slurm_refusals_test.py [-v] [StandInTest.test_...]
 """
@@ -43,7 +43,7 @@ class RefusalCase(ClientCase):
     def setUpClass(cls):
         cls.holder = tempfile.mkdtemp()
         cls.addClassCleanup(shutil.rmtree, cls.holder)
-        cls.map = os.path.join(cls.holder, "map.png")  # the name stands in the file
+        cls.map = os.path.join(cls.holder, "map.png")  # the file stores its name
         subprocess.run([MULTUM, "testmap", os.path.join(cls.holder, "map"), "--size", "256"], check=True,
                        capture_output=True)
         os.rename(os.path.join(cls.holder, "map_normal.png"), cls.map)
@@ -63,7 +63,7 @@ class RefusalCase(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def succeed(self, number):
-        """The parts of the job, whose result is that of one process."""
+        """Returns the parts of the job, and checks that the result equals that of one process."""
         job = self.service.wait_for(number)
         self.assertEqual((job["state"], len(job["attempts"])), ("succeeded", 1), self.service.log_text()[-2000:])
         with open(self.output("map.ndf.exr"), "rb") as mine, open(self.whole, "rb") as other:
@@ -71,10 +71,10 @@ class RefusalCase(ClientCase):
         return job["parts"]
 
     def check_bands(self, parts, array_max):
-        """Each band succeeded once, in arrays that Slurm takes."""
+        """Checks that each band succeeded once, in arrays that Slurm accepts."""
         done = [part for part in parts if part["state"] == "succeeded"]
         count = int(done[0]["part"].split("/")[1])
-        self.assertGreater(count, array_max)  # or nothing would be split
+        self.assertGreater(count, array_max)  # else nothing would be split
         self.assertEqual([part["round"] for part in parts], [1] * len(parts))
         self.assertEqual(sorted(part["part"] for part in done),
                          sorted([f"{i}/{count}" for i in range(count + 1)] + [f"merge {count}"]))
@@ -97,7 +97,7 @@ class StandInTest(RefusalCase):
                 file.write(f'#!/bin/sh\nexec {sys.executable} {script} {name} "$@"\n')
             os.chmod(os.path.join(programs, name), 0o755)
         with open(os.path.join(programs, "scontrol"), "w", encoding="utf-8") as file:
-            file.write("#!/bin/sh\nexit 1\n")  # it does not say what it allows
+            file.write("#!/bin/sh\nexit 1\n")  # scontrol fails, so the limit stays unknown
         os.chmod(os.path.join(programs, "scontrol"), 0o755)
         for name, text in (("refusals", refusals), ("array_max", str(array_max))):
             with open(os.path.join(self.stand_in, name), "w", encoding="utf-8") as file:
@@ -115,7 +115,7 @@ class StandInTest(RefusalCase):
         refused = [part for part in parts if part["state"] == "lost"]
         self.assertTrue(refused)
         self.assertIn("sent again in a smaller array", refused[0]["message"])
-        # Share 0, a call for each half that was too long, the arrays, the merge.
+        # Calls: share 0, one for each half that was too long, the arrays, the merge.
         arrays = [call for call in self.calls() if call != "-"]
         too_long = [call for call in arrays if max(map(int, call.split(","))) >= 2]
         self.assertEqual(len(set(len(call.split(",")) for call in too_long)), len(too_long), "each length once")
@@ -128,7 +128,7 @@ class StandInTest(RefusalCase):
         self.assertEqual(self.calls(), ["-"])
 
     def test_what_is_never_taken_ends_what_was(self):
-        self.start_stand_in(f"\n{ACCOUNT}\n*\n")  # share 0 is taken
+        self.start_stand_in(f"\n{ACCOUNT}\n*\n")  # share 0 is accepted
         job = self.service.wait_for(self.bake())
         self.assertEqual((job["state"], job["exit_code"], len(job["attempts"])), ("dead", 2, 1), job["message"])
         self.assertIn(ACCOUNT, job["message"])
@@ -145,14 +145,14 @@ class StandInTest(RefusalCase):
         self.start_stand_in("Unable to contact slurm controller (connect failure)\n" * 2 +
                             "Slurm temporarily unable to accept job, sleeping and retrying\n" * 2)
         self.succeed(self.bake())
-        self.assertEqual(self.calls()[:5], ["-"] * 5)  # four refusals are one more than of reasons unknown
+        self.assertEqual(self.calls()[:5], ["-"] * 5)  # four refusals: one more than allowed for unknown reasons
 
     def test_reasons_unknown_end_the_attempt(self):
         self.start_stand_in("A text of another version\n*\n")
         job = self.service.wait_for(self.bake(attempt_max=2))
         self.assertEqual((job["state"], job["exit_code"], len(job["attempts"])), ("dead", 4, 2), job["message"])
         self.assertIn("A text of another version", job["message"])
-        self.assertEqual(len(self.calls()), 6)  # three for each attempt
+        self.assertEqual(len(self.calls()), 6)  # three tries for each attempt
 
 
 @unittest.skipIf(NOT_HERE, NOT_HERE)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack, unpack, info, verify, on a small inferred animation: what comes back, what is asked for and met, the
-// same bytes for any number of threads, and what damage costs.
+// multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, the same bytes for
+// any
+// number of threads, and the effect of damage.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -48,7 +49,7 @@ class PackCommandTest : public TracedSceneTest {
       values.insert(values.end(), drawn.channels.at(c).begin(), drawn.channels.at(c).end());
     return values;
   }
-  // Mean squared difference of what both folders draw, 8-bit units at gamma 2.2, over all samples.
+  // Mean squared difference of the frames drawn from both folders, 8-bit units at gamma 2.2, over all samples.
   double drawn_mse(const std::string& folder) const {
     double sum = 0.0, count = 0.0;
     for (const char* sample : {"0,0", "0,1", "1,0", "1,1", "2,0", "2,1"}) {
@@ -61,7 +62,7 @@ class PackCommandTest : public TracedSceneTest {
     }
     return sum / count;
   }
-  // The same of what the inferred textures draw, beside the ray-traced pictures.
+  // Mean squared difference of the frames of inferred textures from the ray-traced pictures.
   double inferred_mse() const {
     double sum = 0.0, count = 0.0;
     for (int view = 0; view < 3; ++view)
@@ -80,7 +81,7 @@ class PackCommandTest : public TracedSceneTest {
       }
     return sum / count;
   }
-  // The section of a chunk of this object and layer.
+  // Returns the section of a chunk of this object and layer.
   std::size_t chunk_of(const std::string& file, const std::string& text) const {
     const PackedFieldFile packed(path(file));
     for (std::size_t i = 0; i < packed.index().sections().size(); ++i)
@@ -102,12 +103,12 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
   EXPECT_LT(fs::file_size(path("coarse.mpt")), fs::file_size(path("fine.mpt")) / 2);
   ASSERT_EQ(unpack("fine.mpt", "fine").exit_code, 0);
   ASSERT_EQ(unpack("coarse.mpt", "coarse").exit_code, 0);
-  for (const char* sample : {"0,1", "2,0"})  // with no unpacking the same, to the bit
+  for (const char* sample : {"0,1", "2,0"})  // drawing without unpacking gives the same bits
     EXPECT_EQ(frame("coarse.mpt", sample), frame("coarse", sample)) << sample;
   const double fine = drawn_mse("fine"), coarse = drawn_mse("coarse");
   EXPECT_LT(fine, 2.0);
   EXPECT_GT(coarse, 2.0 * fine);
-  // The manifest is the same but for names of textures and what was found while it was made.
+  // The manifest is unchanged except for names of textures and facts about its making.
   const InferredManifest before = read_inferred_manifest(path("out/inferred.json"));
   const InferredManifest after = read_inferred_manifest(path("fine/inferred.json"));
   EXPECT_EQ(after.parameters, before.parameters);
@@ -119,7 +120,7 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
     for (std::size_t l = 0; l < before.objects[k].layers.size(); ++l) {
       const auto& was = before.objects[k].layers[l].textures;
       const auto& is = after.objects[k].layers[l].textures;
-      // Samples that shared a texture share one.
+      // Samples that shared a texture still share one.
       for (std::size_t s = 0; s < was.size(); ++s)
         for (std::size_t t = 0; t < was.size(); ++t) EXPECT_EQ(is[s] == is[t], was[s] == was[t]);
     }
@@ -131,7 +132,7 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
 }
 
-// The estimate is of what the coder loses in drawn frames: within half of what frames lose.
+// The coder's estimate of the loss in drawn frames is within half of the measured loss.
 TEST_F(PackCommandTest, TargetsAreMet) {
   ASSERT_EQ(pack("any.mpt", {"--lambda", "30"}).exit_code, 0);
   const auto bytes = fs::file_size(path("any.mpt")) * 3 / 4;
@@ -150,7 +151,7 @@ TEST_F(PackCommandTest, TargetsAreMet) {
   EXPECT_FALSE(fs::exists(path("none.mpt")));
 }
 
-// Six small samples have 324 bytes at 384:1, fewer than their description takes.
+// Six small samples have 324 bytes at 384:1, less than the size of their description.
 TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const std::string times = "times the error of the inferred textures";
   const ProgramResult packed = pack("default.mpt", {});
@@ -159,18 +160,18 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   EXPECT_EQ(packed.err.find("warning"), std::string::npos) << packed.err;
   const double inferred = inferred_mse(), added = drawn_mse("default.mpt");
   EXPECT_LT(added, 3.0 * inferred);
-  EXPECT_GT(added, 0.05 * inferred);  // it is no more than needed
-  // What was asked for is made, and its error said.
+  EXPECT_GT(added, 0.05 * inferred);  // the error is not needlessly low
+  // The requested size is met, and the error is printed.
   const auto bytes = fs::file_size(path("default.mpt")) / 2;
   const ProgramResult small = pack("small.mpt", {"--bytes", std::to_string(bytes)});
   ASSERT_EQ(small.exit_code, 0) << small.err;
-  expect_says(small.err, {"warning", "small.mpt: packing adds an MSE of about", times, "leave --ratio, --bytes"});
+  expect_says(small.err, {"warning", "small.mpt: packing adds an MSE of about", times, "Without --ratio, --bytes"});
   EXPECT_GT(drawn_mse("small.mpt"), added);
   const ProgramResult by_error = pack("error.mpt", {"--mse-max", "6"});
   EXPECT_EQ(by_error.err.find("warning"), std::string::npos) << by_error.err;
   expect_refusal(pack("none.mpt", {"--ratio", "384"}), kUsage,
                  {"a ratio of 384 (324 bytes) cannot be reached", "--mse-max"});
-  // Without a report nobody knows what may be added.
+  // Without a report the allowed error is unknown.
   fs::remove(path("out/report.json"));
   expect_refusal(pack("none.mpt", {}), kUsage, {"a ratio of 384", "cannot be reached", "--ratio", "--mse-max"});
 }
@@ -187,7 +188,7 @@ TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
   EXPECT_LT(drawn_mse("blocks"), 2.0);
 }
 
-// Objects' blocks begin at different samples where there are several along a parameter, and only there.
+// With the option, objects' blocks begin at different samples, but only along a parameter with several blocks.
 TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   for (const char* folder : {"renders", "out"}) fs::remove_all(path(folder));
   TracedScene scene;
@@ -200,7 +201,7 @@ TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   ASSERT_EQ(pack("two.mpt", {"--lambda", "1", "--block", "2", "--stagger", "yes", "--threads", "2"}).exit_code, 0);
   EXPECT_EQ(read_bytes(path("one.mpt")), read_bytes(path("two.mpt")));
   const PackedFieldFile packed(path("one.mpt"));
-  std::map<std::size_t, std::set<int>> borders;  // of objects, along the light
+  std::map<std::size_t, std::set<int>> borders;  // block borders of objects along the light
   for (const PackedLayer& layer : packed.description().layers)
     for (const FieldBlock& block : layer.blocks)
       if (block.begin[1] > 0) borders[layer.object].insert(block.begin[1]);
@@ -210,7 +211,7 @@ TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   EXPECT_LT(drawn_mse("one"), 2.0);
 }
 
-// Each object's mean error within --alpha times the mean of all; without it some object is above that.
+// With --alpha each object's mean error is at most --alpha times the mean of all; without it some object exceeds that.
 TEST_F(PackCommandTest, AlphaHoldsWhatAnObjectMayBeOff) {
   FieldPackSettings settings;
   settings.folder = path("out");
@@ -297,7 +298,7 @@ TEST_F(PackCommandTest, ADamagedChunkCostsThatChunkAndIsNamed) {
       }
 }
 
-// Drawn straight from the file: what unpacking leaves, and the same words.
+// Drawing straight from the file leaves out what unpacking leaves out, with the same message.
 TEST_F(PackCommandTest, ADamagedChunkIsLeftOutOfPictures) {
   ASSERT_EQ(pack("field.mpt", {"--lambda", "50"}).exit_code, 0);
   const std::vector<float> whole = frame("field.mpt", "1,0");
@@ -320,7 +321,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   const auto refused = [&](const std::string& bytes, const std::vector<std::string>& parts) {
     write_bytes(path("bad.mpt"), bytes);
     expect_refusal(unpack("bad.mpt", "bad"), kInput, parts);
-    EXPECT_FALSE(fs::exists(path("bad"))) << "nothing is written of what is refused";
+    EXPECT_FALSE(fs::exists(path("bad"))) << "a refused field must write nothing";
   };
   refused(whole.substr(0, whole.size() - 10), {"bad.mpt", fmt::format("has {} bytes", whole.size() - 10), "section"});
   refused(whole.substr(0, 20), {"bad.mpt", "cut short within its index"});
@@ -347,7 +348,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
 }
 
 TEST_F(PackCommandTest, CancelledLeavesNothing) {
-  // Stops when the first of the chunks is done, or is to be.
+  // Stops when the first chunk is done, or before it is begun.
   const auto stops_in = [](const std::string& stage, std::uint64_t units) {
     return Progress(
         [=](const ProgressEvent& event) { return !(event.stage.starts_with(stage) && event.units_done >= units); });
