@@ -384,7 +384,7 @@ class SlurmTest(ClientCase):
         node = self.first_part(number)["node"]
         self.slurm.crash_node(node)
         job = self.succeed(number, "moved", attempts=2)
-        self.assertIn("task was silent", job["attempts"][0]["message"])
+        self.assertIn("task sent nothing", job["attempts"][0]["message"])
         self.assertNotEqual(job["parts"][-1]["node"], node)
         self.slurm.return_node(node)
         self.slurm.wait_for_nodes()

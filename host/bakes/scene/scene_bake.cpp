@@ -57,8 +57,8 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings reach target_error {:g}, the best are {} with {:.3g}", job.input,
-                            target_error, chosen.options, chosen.reached.error));
+                fmt::format("{}: no settings reach target_error {:g}; the best are {}, with an error of {:.3g}",
+                            job.input, target_error, chosen.options, chosen.reached.error));
   options = chosen.options;
   return std::move(chosen.report);
 }

@@ -36,7 +36,7 @@ void raise_file_limit(const ServiceSettings& settings) {
   const rlim_t wanted = static_cast<rlim_t>(settings.connections_max) + 256;
   if (limit.rlim_max < wanted)
     service_log(LogSeverity::kWarning, 0,
-                fmt::format("this process may open {} files, but connections_max is {}: expected a limit of {} files "
+                fmt::format("this process can open {} files, but connections_max is {}: expected a limit of {} files "
                             "(LimitNOFILE, ulimit -n)",
                             limit.rlim_max, settings.connections_max, wanted));
 }

@@ -196,7 +196,7 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   else if (!part.heard) part.heard = now;
   else if (now - *part.heard > settings_.slurm.lease) {
     part.is_cancelled = true;
-    part.row.message = fmt::format("its task was silent for {} ms and was cancelled", settings_.slurm.lease.count());
+    part.row.message = fmt::format("its task sent nothing for {} ms and was cancelled", settings_.slurm.lease.count());
     to_cancel.push_back({task->name, *batch.slurm_job, batch.is_array ? task->item : -1});
   }
   return Fate::kGoesOn;

@@ -97,7 +97,7 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     const std::string type = file.bytes(position + 4, 4, "a PNG chunk");
     const std::int64_t end = position + 12 + length;
     if (end > file.size())
-      refuse_file(path, fmt::format("the file is cut: it ends at byte {}, expected {} at the end of a PNG chunk",
+      refuse_file(path, fmt::format("the file is cut short: it ends at byte {}, expected {} at the end of a PNG chunk",
                                     file.size(), end));
     if (position == 8) {
       if (type != "IHDR" || length != 13) refuse_file(path, "damaged PNG: the first chunk is not a header");
@@ -164,7 +164,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
   // marker.
   const std::int64_t tail_size = std::min<std::int64_t>(file.size(), 65536);
   if (file.bytes(file.size() - tail_size, tail_size, "the end").find("\xFF\xD9") == std::string::npos)
-    refuse_file(path, "the file is cut: no JPEG end marker");
+    refuse_file(path, "the file is cut short: no JPEG end marker");
 }
 
 // Chunks [type 4][length 4][data], padded to an even number of bytes, after VP8X.
@@ -183,7 +183,7 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
-    refuse_file(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
+    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} by its WebP header", file.size(), end));
   const std::string chunk = file.bytes(12, 4, "a WebP chunk");
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");

@@ -194,12 +194,12 @@ std::string summary(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z)
     return fmt::format(
-        "x^2 + y^2 <= 1 on {:.1f} %, mean (x, y) ({:+.2f}, {:+.2f}), mean rebuilt z {:.2f}, gradient agreement "
-        "{:+.2f}",
+        "x^2 + y^2 <= 1 in {:.1f} % of the texels, mean (x, y) ({:+.2f}, {:+.2f}), mean rebuilt z {:.2f}, gradient "
+        "agreement {:+.2f}",
         100.0 * (1.0 - s.beyond_share), s.mean_x, s.mean_y, s.rebuilt_z_mean, s.gradient_agreement);
   return fmt::format(
-      "length within 10 % of 1 on {:.1f} %, mean vector ({:+.2f}, {:+.2f}, {:+.2f}), {:.1f} % below the horizon, "
-      "gradient agreement {:+.2f}",
+      "length within 10 % of 1 in {:.1f} % of the texels, mean vector ({:+.2f}, {:+.2f}, {:+.2f}), {:.1f} % below the "
+      "horizon, gradient agreement {:+.2f}",
       100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
 }
 
@@ -223,7 +223,7 @@ std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
 std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   if (s.below_share > 0.05) {
     const char* object_space = s.unit_share_10 >= 0.9 ? ", as in an object-space normal map" : "";
-    return fmt::format("{:.1f} % of texels point below the surface{}", 100.0 * s.below_share, object_space);
+    return fmt::format("{:.1f} % of the normals point below the surface{}", 100.0 * s.below_share, object_space);
   }
   const double agreement = std::abs(s.gradient_agreement);
   if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;

@@ -204,7 +204,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
       const NormalMap map = read_map(folder_ / "a.exr");
       EXPECT_EQ(map.report.unused_texels, kSide * kSide / 4);
       EXPECT_EQ(map.report.nonfinite_repaired + map.report.zero_length_repaired, 0);
-      EXPECT_TRUE(contains(map.report.encoding_reason, "length within 10 % of 1 on 100.0 %"))
+      EXPECT_TRUE(contains(map.report.encoding_reason, "length within 10 % of 1 in 100.0 %"))
           << map.report.encoding_reason;
       EXPECT_TRUE(contains(all_warnings(map), "never written")) << all_warnings(map);
       EXPECT_EQ(map.x[5], 0.0f);
