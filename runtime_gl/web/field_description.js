@@ -18,17 +18,17 @@ class Checker {
     throw new FieldError(`${this.name}: its description is damaged: ${where} ${what}`);
   }
   object(value, where) {
-    if (value === null || typeof value !== "object" || Array.isArray(value)) this.refuse(where, "is no object");
+    if (value === null || typeof value !== "object" || Array.isArray(value)) this.refuse(where, "is not an object");
     return value;
   }
   list(value, where, least = 0, most = LIST_MAX) {
-    if (!Array.isArray(value)) this.refuse(where, "is no list");
+    if (!Array.isArray(value)) this.refuse(where, "is not a list");
     if (value.length < least || value.length > most)
       this.refuse(where, `has ${value.length} entries, expected ${least === most ? least : `${least} to ${most}`}`);
     return value;
   }
   text(value, where) {
-    if (typeof value !== "string") this.refuse(where, "is no text");
+    if (typeof value !== "string") this.refuse(where, "is not a string");
     return value;
   }
   integer(value, where, least, most) {

@@ -73,19 +73,20 @@ export class MptFile {
     if (head[4] !== VERSION) this.refuse(`is a packed field of version ${head[4]}, expected ${VERSION}`);
     const reader = new NumberReader(head.subarray(5));
     const length = reader.fixed32();
-    if (length > INDEX_BYTES_MAX) this.refuse(`has an index of ${length} bytes, expected at most 2^26`);
+    if (length > INDEX_BYTES_MAX)
+      this.refuse(`is a packed field with an index of ${length} bytes, expected at most 2^26`);
     const end = HEAD_BYTES + length;
     if (this.first.length < end + 4 && this.source.size > this.first.length)
       this.first = await this.source.read(0, end + 4);
-    if (this.first.length < end + 4) this.refuse("is cut short within its index");
+    if (this.first.length < end + 4) this.refuse("is damaged: cut short within its index");
     if (new NumberReader(this.first.subarray(end)).fixed32() !== sectionChecksum(this.first.subarray(0, end)))
-      this.refuse("its index is damaged: its checksum differs");
+      this.refuse("is damaged: the checksum of its index differs");
     this.readSections(new NumberReader(this.first.subarray(HEAD_BYTES, end)), end + 4);
   }
 
   readSections(reader, offset) {
     const count = reader.number(INDEX_BYTES_MAX);
-    if (count > reader.bytes.length / 8) this.refuse("its index has fewer sections than it says");
+    if (count > reader.bytes.length / 8) this.refuse("is damaged: its index has fewer sections than it says");
     for (let i = 0; i < count; ++i) {
       const [kind, layer, block] = [0, 0, 0].map(() => reader.number(NUMBER_MAX));
       const section = { kind, layer, block, number: i, offset, length: reader.number(SECTION_BYTES_MAX) };
@@ -96,9 +97,9 @@ export class MptFile {
       if (kind === KIND_DESCRIPTION && name === "0:0") this.description ??= section;
     }
     if (reader.isBroken || reader.at < reader.bytes.length)
-      this.refuse("its index is longer or shorter than its sections");
+      this.refuse("is damaged: its index is longer or shorter than its sections");
     if (this.source.size !== null && this.source.size !== offset)
-      this.refuse(`has ${this.source.size} bytes, its index says ${offset}: it was cut, or belongs to another file`);
+      this.refuse(`has ${this.source.size} bytes, but its index says ${offset}`);
     if (this.description === null) this.refuse("has no description");
   }
 

@@ -22,12 +22,12 @@ export class RecordedPath {
     }
     if (json?.multumPath !== 1) throw new Error("the file is not a path: expected \"multumPath\": 1");
     if (JSON.stringify(json.parameters) !== JSON.stringify(parameters))
-      throw new Error(`the path is through ${json.parameters}, the field has ${parameters}`);
+      throw new Error(`the path is a path through ${json.parameters}, expected the field's parameters ${parameters}`);
     const isSound = Array.isArray(json.positions) && json.positions.length >= 2 &&
       json.positions.length <= POSITIONS_MAX && json.positions.every((one, i) => Array.isArray(one) &&
         one.length === parameters.length + 1 && one.every(Number.isFinite) &&
         (i === 0 || one[0] >= json.positions[i - 1][0]));
-    if (!isSound) throw new Error("the path's positions are damaged: expected lists of seconds, rising, and indices");
+    if (!isSound) throw new Error("the path's positions are damaged: expected lists of ascending seconds and indices");
     return new RecordedPath(parameters, json.positions);
   }
 

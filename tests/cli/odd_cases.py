@@ -296,7 +296,7 @@ class Generator:
         picture = Picture(9, 13, 1, "uint", 8, [self.random.randrange(256) for _ in range(9 * 13)])
         data = write_tiff(picture, Layout(photometric=tiff.PALETTE, colour_map=words))
         decoded = Picture(9, 13, 3, "uint", 16, [words[c * 256 + i] for i in picture.samples for c in range(3)])
-        self.add("TIFF palettes", data, "tif", decoded, options=("--bumpformat", "normal"), warns=("16 bits",),
+        self.add("TIFF palettes", data, "tif", decoded, options=("--bumpformat", "normal"), warns=("16-bit colours",),
                  tolerance=0.012)
         for extra in (0, 2):
             entries = self.few_normals(256)

@@ -38,9 +38,9 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
   std::smatch judged;
   ASSERT_TRUE(std::regex_search(
       met.out, judged,
-      std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*measured at footprints that had no part in the "
-                 "choice; at the other footprints: (\\S+) \\+- [^]*95 % of pixels are within "
-                 "\\S+ %; the worst pixels cover \\d+ to \\d+ texels, with \\S+ %")))
+      std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*measured at footprints that were not used to choose the "
+                 "settings; at the footprints that were used: (\\S+) \\+- [^]*95 % of pixels have errors "
+                 "of at most \\S+ %; the worst pixels cover \\d+ to \\d+ texels and have \\S+ %")))
       << met.out;
   EXPECT_LE(std::stod(judged[1]) + std::stod(judged[2]), 30.0);
   EXPECT_NE(judged[1], judged[3]) << "the same footprints again";

@@ -76,7 +76,7 @@ try {
   const refused = (words, ...more) => assert.throws(() => run("multum", "look", ...more, "--no-open", "-o", "no.html"),
     (error) => error.status !== 0 && error.stderr.includes(words) && !existsSync(inFolder("no.html")));
   bake("rest.ndf.exr", "--first-level", "1");
-  refused("expected level 0 too, or the map by --source", "rest.ndf.exr");
+  refused("expected level 0 too, or the normal map (--source)", "rest.ndf.exr");
   refused("found 1 --source, expected one for each of 2 files", "map.ndf.exr", "other.ndf.exr", "--source",
     "map_normal.png");
   refused("expected 96 x 96", "other.ndf.exr", "--source", "map_normal.png");

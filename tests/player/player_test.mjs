@@ -241,14 +241,14 @@ const steps = {
       empty: [Buffer.alloc(0), /has 0 bytes|answered|cut/],
       text: [Buffer.from("this is no packed field at all"), /does not begin with MPTF/],
       version: [Buffer.from(bytes.map((b, i) => (i === 4 ? 3 : b))), /version 3, expected 2/],
-      short: [bytes.subarray(0, bytes.length - 20), /has \d+ bytes, its index says \d+/],
-      index: [Buffer.from(bytes.map((b, i) => (i === 12 ? b ^ 1 : b))), /index is damaged/],
+      short: [bytes.subarray(0, bytes.length - 20), /has \d+ bytes, but its index says \d+/],
+      index: [Buffer.from(bytes.map((b, i) => (i === 12 ? b ^ 1 : b))), /checksum of its index differs/],
       tiny: [bytes.subarray(0, 30), /cut short within its index/],
       hugeIndex: [Buffer.from(bytes.map((b, i) => (i >= 5 && i < 9 ? 255 : b))), /expected at most 2\^26/],
       bomb: [fileOf([descriptionSection(`"${" ".repeat(50000000)}"`, 1000)]), /longer than its stated length/],
       noJson: [fileOf([descriptionSection("{", 1)]), /not JSON/],
       nothing: [fileOf([]), /no description/],
-      list: [fileOf([descriptionSection("[]")]), /is no object/],
+      list: [fileOf([descriptionSection("[]")]), /is not an object/],
       wide: [described((json) => { json.width = 1e9; }), /width is 1000000000, expected 1 to 16384/],
       matrix: [described((json) => { json.views[0][1][2] = "1"; }), /views is not a finite number/],
       sample: [described((json) => { json.samples.pop(); }), /samples are 5, expected 3 x 2/],
@@ -424,7 +424,7 @@ const steps = {
     await load(JSON.stringify({ ...kept, positions: [[0, 0, 0], [30, 2, 1]] }));
     await page.getByText("Path of 30.0 s").waitFor();
     for (const [content, pattern] of [["x", /not JSON/], ["{}", /not a path/],
-      [JSON.stringify({ ...kept, parameters: ["a"] }), /the field has view,light/],
+      [JSON.stringify({ ...kept, parameters: ["a"] }), /the field's parameters view,light/],
       [JSON.stringify({ ...kept, positions: [[0, 0, 0], [-1, 2, 1]] }), /positions are damaged/]]) {
       await load(content);
       await problem(page, pattern);

@@ -246,7 +246,7 @@ class JobFilesTest(ClientCase):
         job = service.wait_for(service.submit(type="pack", parameters={"manifest": manifest, "bytes": 10},
                                               output=self.output("none.mpt")))
         self.assertEqual((job["state"], len(service.job(job["id"])["attempts"])), ("dead", 1))
-        self.assertIn("cannot be met", job["message"])
+        self.assertIn("cannot be reached", job["message"])
         self.assertFalse(os.path.exists(self.output("none.mpt")))
         self.refused(400, "usage", ["ratio", "lambda"], "POST", "/v1/jobs",
                      {"type": "pack", "parameters": {"manifest": manifest, "lambda": 1, "ratio": 2},

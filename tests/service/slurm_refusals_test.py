@@ -114,7 +114,7 @@ class StandInTest(RefusalCase):
         self.check_bands(parts, 2)
         refused = [part for part in parts if part["state"] == "lost"]
         self.assertTrue(refused)
-        self.assertIn("sent again in a smaller one", refused[0]["message"])
+        self.assertIn("sent again in a smaller array", refused[0]["message"])
         # Calls: share 0, one for each half that was too long, the arrays, the merge.
         arrays = [call for call in self.calls() if call != "-"]
         too_long = [call for call in arrays if max(map(int, call.split(","))) >= 2]

@@ -373,7 +373,7 @@ class SlurmTest(ClientCase):
         self.succeed(number, "mine", attempts=2)
         self.slurm.wait_until("the alien is cancelled",
                               lambda: [line.split()[0] for line in self.slurm.jobs()] == [other.strip()])
-        self.assertIn(f"Slurm has job {alien.strip()}, which the ledger does not know", service.log_text())
+        self.assertIn(f"Slurm has job {alien.strip()}, which is not in the ledger", service.log_text())
         self.assertEqual(service.metric("multum_slurm_unknown_cancelled_total"), 1)
         self.slurm.run("scancel", other.strip())
         self.nothing_is_left()
@@ -385,7 +385,7 @@ class SlurmTest(ClientCase):
         node = self.first_part(number)["node"]
         self.slurm.crash_node(node)
         job = self.succeed(number, "moved", attempts=2)
-        self.assertIn("task was silent", job["attempts"][0]["message"])
+        self.assertIn("task sent nothing", job["attempts"][0]["message"])
         self.assertNotEqual(job["parts"][-1]["node"], node)
         self.slurm.return_node(node)
         self.slurm.wait_for_nodes()

@@ -23,7 +23,7 @@ CommandLines read_command_lines(const std::string& path) {
     return nlohmann::json::parse(*text).get<CommandLines>();
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::kInput, path +
-                                       ": expected a JSON array of command lines, each an array of texts, such as "
+                                       ": expected a JSON array of command lines, each an array of strings, such as "
                                        "[[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"]]");
   }
 }

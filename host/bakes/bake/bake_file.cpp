@@ -26,7 +26,7 @@ namespace {
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
     throw Error(ErrorCode::kUsage,
-                path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
+                path + ": is not a valid name for a baked file, expected a name that ends in .ndf.exr or .exr");
 }
 
 // Reports the device's work for a bake.
@@ -52,7 +52,7 @@ std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("not enough memory to bake: this process may use {} MiB (the machine's memory, or the "
+                fmt::format("not enough memory to bake: this process can use {} MiB (the machine's memory, or the "
                             "limit of its container or shell), expected at least {} MiB",
                             all >> 20, (least / 7 * 8 >> 20) + 1));
   return std::max(all / 32 * 5, std::min(least + kRoomy, most));
@@ -63,7 +63,7 @@ std::uint64_t window_bytes(const BakeJob& job) {
   const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : usual_memory(kTaken + kLeast);
   if (memory < kTaken + kLeast)
     throw Error(ErrorCode::kUsage, fmt::format("--memory is {} MiB, expected at least {} MiB: the program, its OpenCL "
-                                               "driver and rows that wait to be written take {} of them",
+                                               "driver and rows that wait to be written need {} MiB",
                                                memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
   return memory - kTaken;
 }
@@ -122,8 +122,8 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
   if (error <= kDiffuseErrorNoted) return;
   report.roughness->warnings.push_back(
       fmt::format("{}: with roughness baked in, the error of diffuse light is up to {:.3g} % at levels 0 and 1, where "
-                  "averaged normals are nearly exact, because roughness varies much over the map. If diffuse light "
-                  "matters, take it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
+                  "averaged normals are nearly exact, because roughness varies strongly over the map. If diffuse light "
+                  "matters, compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
                   job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
   log_named_warning(report.roughness->warnings.back());
 }
@@ -138,7 +138,8 @@ void check_job(const BakeJob& job) {
   ndf_bake(job.representation).check_settings(job);
   if ((job.shard || job.merged_shards > 0) && !holds_lobes(job.representation))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is given, expected lobes: the bake of {} is one averaging pass and cannot be divided",
+                fmt::format("{} is given, expected vMF lobes or planar Gaussians: the bake of {} is one averaging pass "
+                            "and cannot be divided",
                             job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
   validate(job.writing);
   check_paths_differ(input_files(job), {job.output, job.report});

@@ -137,20 +137,20 @@ std::string BakeReport::to_text() const {
   text += fmt::format("{}; {:.2f} s in total on {}\n", times, total, device) + footprint_error_text(error);
   if (fit.lobe_count_total > 0)
     text += fmt::format(
-        "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (without normals), {} without a direction "
+        "{} lobes: {} not finite, {} limited to the largest kappa, {} empty (without normals), {} without a direction "
         "(their normals cancel out), {} too sharp for the data format\n",
         fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
         output.unrepresentable);
   if (average.slopes_limited > 0)
-    text += fmt::format("{} normals too close to the horizon for slopes, treated as tilted by 87 degrees\n",
+    text += fmt::format("{} normals too close to the horizon for slopes, limited to a tilt of 87 degrees\n",
                         average.slopes_limited);
   const bool has_finer =
       std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });
   if (first_level > 0 && stored_only)
-    text += fmt::format("levels finer than {} are never seen, and not stored\n", first_level);
+    text += fmt::format("levels finer than {} are never visible, and not stored\n", first_level);
   else if (first_level > 0)
-    text += fmt::format("levels finer than {} are not stored: renderers take them from the normal map{}\n", first_level,
-                        has_finer ? ", as this table does" : "");
+    text += fmt::format("levels finer than {} are not stored: renderers compute them from the normal map{}\n",
+                        first_level, has_finer ? ", as this table does" : "");
   return text + accuracy_table(accuracy);
 }
 

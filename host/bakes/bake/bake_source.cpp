@@ -37,7 +37,7 @@ void check_range(const BakeJob& job, float largest) {
     throw Error(
         ErrorCode::kInput,
         fmt::format("{}: found a colour of {:g}, expected at most {:g}{}", job.albedo, largest, most,
-                    is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger ones")));
+                    is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger values")));
 }
 
 // Replaces texels by points of the surface.

@@ -36,10 +36,11 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   if (header.weight_count != weight_count)
     return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
   if (header.has_roughness != source.has_roughness())
-    return header.has_roughness ? "has roughness, its source has none"
-                                : "has no roughness, its source has a roughness map";
+    return header.has_roughness ? "has roughness, but its source has no roughness map"
+                                : "has no roughness, but its source has a roughness map";
   if (header.has_colours != source.albedo.has_value())
-    return header.has_colours ? "has colours, its source has none" : "has no colours, its source has an albedo";
+    return header.has_colours ? "has colours, but its source has no albedo"
+                              : "has no colours, but its source has an albedo";
   return "";
 }
 
@@ -113,7 +114,7 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     const double excess = comparable(one.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("has a pixel error of {:.4g} % for {}, states {:.4g} %", 100.0 * one.error, one.brdf.text(),
+    worst = fmt::format("has a pixel error of {:.4g} % for {}, but states {:.4g} %", 100.0 * one.error, one.brdf.text(),
                         100.0 * same->error);
   }
   if (!worst.empty()) return worst;
@@ -126,7 +127,7 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("has an error of {:.4g} % at {}, states {:.4g} %", 100.0 * row.error, row_name(row),
+    worst = fmt::format("has an error of {:.4g} % at {}, but states {:.4g} %", 100.0 * row.error, row_name(row),
                         100.0 * same->error);
   }
   return worst;

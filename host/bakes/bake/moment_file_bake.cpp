@@ -30,7 +30,7 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
   if (share <= kLimitedNoted) return;
   log_warning(run.job.input, fmt::format("{:.1f} % of the normals are steeper than a slope of {} (87 degrees) and are "
-                                         "limited to it: LEAN shades too narrow a highlight there{}",
+                                         "limited to this slope: LEAN draws highlights there that are too narrow{}",
                                          100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
 }
 
@@ -66,9 +66,9 @@ std::unique_ptr<AccuracyMeter> try_moments(const BakeRun& run, const AccuracySet
 
 void check_moment_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        "--region and --onto are for --ndf vmf: moments of the whole map are averaged faster than the map is read");
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto are only for --ndf vmf: averaging the moments of a whole map takes less time than "
+                "reading the map");
 }
 
 std::string moment_settings(const BakeJob& job) {

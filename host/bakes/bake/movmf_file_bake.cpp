@@ -41,11 +41,11 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
   log_warning(
       job.input,
       fmt::format("{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their "
-                  "spread in {}: sharp highlights (Blinn-Phong of s = {:.0f} and more) become too sharp{}",
+                  "spread in {}: sharp highlights (Blinn-Phong with s = {:.0f} or more) become too sharp{}",
                   report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
                   storage_encoding_name(header.header.encoding), kappa_max,
                   header.header.encoding == StorageEncoding::kHalf
-                      ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
+                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, float larger values",
                                            family.kappa_max(StorageEncoding::kSnorm16)))
                       : advice("; <data_format float> keeps them")));
 }
@@ -143,13 +143,13 @@ std::unique_ptr<AccuracyMeter> try_lobes(const BakeRun& run, const AccuracySetti
 void check_lobe_settings(const BakeJob& job) {
   validate(job.fitting);
   if (job.region && job.onto.empty())
-    throw Error(ErrorCode::kUsage, "--region needs --onto: the file that was baked before this part was edited");
+    throw Error(ErrorCode::kUsage, "--region needs --onto, the file that was baked before this part was edited");
   const char* const option = job.shard ? "--shard" : job.merged_shards > 0 ? "--merge" : nullptr;
   if (option == nullptr) return;
   if (!job.onto.empty()) throw Error(ErrorCode::kUsage, std::string(option) + " and --onto exclude each other");
   if (job.fitting.refine)
     throw Error(ErrorCode::kUsage,
-                std::string(option) + " and --refine exclude each other: shares keep one set of lobes");
+                std::string(option) + " and --refine exclude each other: shares store only one set of lobes");
 }
 
 VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {

@@ -40,8 +40,8 @@ std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_byt
     throw Error(
         is_given ? ErrorCode::kUsage : ErrorCode::kEnvironment,
         fmt::format("{} {} MiB, expected at least {} MiB for a map {} texels wide: rows of tiles that wait to be "
-                    "written take {} MiB",
-                    is_given ? "--memory is" : "a bake may use a quarter of this process's memory,", memory >> 20,
+                    "written need {} MiB",
+                    is_given ? "--memory is" : "a bake can use a quarter of this process's memory,", memory >> 20,
                     ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width, waiting_bytes >> 20));
   }
   return run.memory_bytes - more;

@@ -48,7 +48,8 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
     if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
     if (const auto map = kHashedMaps.find(key); map != kHashedMaps.end())
       changes.push_back(fmt::format("the {} has changed", map->second));
-    else if (key == "kernels") changes.emplace_back("it was baked with other kernels than those of this program");
+    else if (key == "kernels")
+      changes.emplace_back("it was baked with kernels that differ from the kernels of this program");
     else changes.push_back(fmt::format("{} was {}, is {}", key, shown(old_json, key), shown(new_json, key)));
   }
   return changes;
@@ -60,7 +61,7 @@ std::vector<std::string> changed_target(const std::string& there, const std::str
   const nlohmann::json new_json = nlohmann::json::parse(now);
   if (!old_json.is_object()) return {"its settings cannot be parsed"};
   if (old_json.value("kernels", "") != new_json.at("kernels").get<std::string>())
-    return {"it was baked with other kernels than those of this program"};
+    return {"it was baked with kernels that differ from the kernels of this program"};
   if (!old_json.contains("target")) return {"its settings were not chosen for a target"};
   const std::string was = old_json["target"].dump(), is = new_json["target"].dump();
   const auto words = [](const std::string& target) { return target.substr(1, target.rfind(", ") - 1); };
@@ -131,9 +132,9 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   if (there->file_hash() != job.hashes->hash(job.input)) reasons.emplace_back("the source has changed");
   else if (!there->source_tiles.empty() && job.reading.tiles != nullptr &&
            !tiles_are_unchanged(there->source_tiles, *job.reading.tiles, job.reading.tile, job.reading.fix_nan))
-    reasons.emplace_back("other tiles of its set have changed, and its borders or its green depend on them");
+    reasons.emplace_back("other tiles of its set have changed, which affect its borders or its green axis");
   if (there->software != software_version())
-    reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, software_version()));
+    reasons.push_back(fmt::format("it was baked by {}, but this program is {}", there->software, software_version()));
   if (there->settings != settings)
     for (std::string& change : job.chosen_for.empty() ? changed_settings(there->settings, settings)
                                                       : changed_target(there->settings, settings))

@@ -146,13 +146,12 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
     throw Error(ErrorCode::kUsage,
                 old + ": stores no level 0, so changes cannot be found; expected --region x,y,width,height");
   if (!changed) {
-    log_warning(input, fmt::format("{} stores no level 0: cannot check that all changes are inside --region {}", old,
+    log_warning(input, fmt::format("{} stores no level 0, so changes outside --region {} cannot be detected", old,
                                    region_text(*asked)));
     return *asked;
   }
   if (changed->height == 0) log_info(fmt::format("{}: no texel has changed since {} was baked", input, old));
-  else
-    log_info(fmt::format("{}: the part that has changed since {} was baked is {}", input, old, region_text(*changed)));
+  else log_info(fmt::format("{}: since {} was baked, this part has changed: {}", input, old, region_text(*changed)));
   if (!asked) return changed->height == 0 ? MapRegion{0, 0, 1, 1} : *changed;
   if (changed->height > 0 && !contains(*asked, *changed))
     throw Error(ErrorCode::kInput, fmt::format("{}: found changes since {} was baked in {}, expected none outside "

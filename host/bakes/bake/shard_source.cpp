@@ -88,14 +88,14 @@ void read_map_rows(RowRecords& rows, const LevelRows& wanted, const std::string&
   const int height = source.map.normals.height();
   const std::size_t row_bytes = width * sizeof(float);
   if (rows.row_count(kNormalsLevel, {row_bytes, 0, 0}) != 3 * height)
-    throw Error(ErrorCode::kEnvironment, path + ": its rows do not match the size of its map");
+    throw Error(ErrorCode::kEnvironment, path + ": its number of rows does not match the size of its map");
   std::vector<float> row(3 * width);
   for (int plane = 0; plane < 3; ++plane)
     for (int y = wanted.begin; y < wanted.end; ++y)
       rows.read(kNormalsLevel, RowPart::kLobes, plane * height + y, 1, row.data());
   for (std::size_t s = 1; s < stores.size(); ++s) {
     if (rows.row_count(level_of_feature(s), {3 * row_bytes, 0, 0}) != height)
-      throw Error(ErrorCode::kEnvironment, path + ": its rows do not match the size of its map");
+      throw Error(ErrorCode::kEnvironment, path + ": its number of rows does not match the size of its map");
     for (int y = wanted.begin; y < wanted.end; ++y) {
       rows.read(level_of_feature(s), RowPart::kLobes, y, 1, row.data());
       stores[s]->write_rows(y, 1, {row.data(), row.data() + width, row.data() + 2 * width});

@@ -53,7 +53,7 @@ void read_values(const StrictTable& table, ParameterValues& values) {
   if (const Parameter* chosen = given_of_target(values); chosen != nullptr && has_target(values)) {
     for (const char* target : {"target_error", "budget_ms"}) {
       if (table.has(target))
-        table.refuse(chosen->name, fmt::format("and {} exclude each other: a target chooses that setting", target));
+        table.refuse(chosen->name, fmt::format("and {} exclude each other: a target chooses this setting", target));
       values.erase(target);
     }
   }
@@ -161,8 +161,9 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
     for (const ManifestMap& map : entry.maps) {
       const std::string name = canonical_name(map.job.output);
       if (const auto input = inputs.find(name); input != inputs.end())
-        entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a different file", map.name,
-                                                 input->second));
+        entry.table.refuse(
+            "output", fmt::format("is \"{}\", which is also an input, read as {}: expected a different file", map.name,
+                                  input->second));
       const auto [other, is_new] = outputs.emplace(name, map.job.input);
       if (!is_new)
         entry.table.refuse(
@@ -174,7 +175,7 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
 }  // namespace
 
 std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern) {
-  const toml::table root = parse_toml(path, "a manifest as docs/reference/manifests.md describes it");
+  const toml::table root = parse_toml(path, "a manifest as described in docs/reference/manifests.md");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(bake_parameters());
   const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);

@@ -102,7 +102,7 @@ void hold_to_allowed(MapResult& result) {
       result.error || result.state != MapState::kUnchanged ? result.error : result.stated;
   if (!result.allowed || !error || *error <= *result.allowed) return;
   if (is_in_place(result.state)) result.state = MapState::kWorse;
-  add_reason(result, fmt::format("has an error of {:.4g} %, error_max allows {:.4g} %", 100.0 * *error,
+  add_reason(result, fmt::format("has an error of {:.4g} %, but error_max allows {:.4g} %", 100.0 * *error,
                                  100.0 * *result.allowed));
 }
 

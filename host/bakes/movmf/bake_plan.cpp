@@ -64,8 +64,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
       if (bytes_of(band.map_band_rows) > memory_bytes)
-        refuse(fitting, bytes_of(1),
-               fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
+        refuse(fitting, bytes_of(1), fmt::format("all texels of level {} at once (--coarse-normals all)", level.level));
     } else {
       const auto bytes_of = [&](int rows) {
         return fit_level_bytes(level, settings, rgb_plane_count, {rows, map_height});
@@ -91,7 +90,7 @@ std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& 
     const char* method = level.method == FitMethod::kTexels   ? "all normals"
                          : level.method == FitMethod::kChoice ? "each normal to a lobe"
                          : level.method == FitMethod::kBinned ? "binned normals"
-                                                              : "all normals, band by band of the map";
+                                                              : "all normals, one band of the map after another";
     text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,
                         method, whole ? "at once" : fmt::format("{} rows at a time", band.band_rows),
                         static_cast<double>(fit_level_bytes(level, settings, rgb_plane_count, band)) / (1 << 20));

@@ -104,8 +104,8 @@ void validate(const MovmfSettings& settings) {
   const RepresentationInfo& lobes = representation_info(settings.representation);
   if (settings.refine && !lobes.has_kappa)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--refine is given with --ndf {}, expected --ndf vmf: it does not support {}", lobes.option,
-                            lobes.contents));
+                fmt::format("--refine is given with --ndf {}, expected --ndf vmf: --refine does not support {}",
+                            lobes.option, lobes.contents));
   if (settings.refine && settings.coarse_normals == CoarseNormals::kAll)
     throw Error(ErrorCode::kUsage,
                 "--refine is given with --coarse-normals all (which --reference sets), expected binned normals");

@@ -210,7 +210,8 @@ void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& setti
   const PlaneStore& normals = *map.normals;
   validate(settings, normals.width(), normals.height());
   if (settings.refine && normals.is_shortened())
-    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it supports only unit normals");
+    throw Error(ErrorCode::kUsage,
+                "--refine is given with a roughness map, expected none: --refine supports only unit normals");
   const FeaturePlanes& features = map.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(rows, settings)) {

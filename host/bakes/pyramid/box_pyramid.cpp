@@ -79,9 +79,10 @@ std::uint64_t BoxPyramid::buffer_bytes() const { return fixed_bytes() + size_of(
 
 int BoxPyramid::choose_band_rows() const {
   if (fixed_bytes() + row_bytes() > memory_.bytes)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--memory leaves {} KiB for buffers, expected at least {} KiB: a row of a map of {} x {}",
-                            memory_.bytes >> 10, ((fixed_bytes() + row_bytes()) >> 10) + 1, map_.width, map_.height));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--memory leaves {} KiB for buffers, expected at least {} KiB for one row of a map of {} x {}",
+                    memory_.bytes >> 10, ((fixed_bytes() + row_bytes()) >> 10) + 1, map_.width, map_.height));
   const std::uint64_t bytes = std::min(kUsefulBandBytes, memory_.bytes - fixed_bytes());
   return static_cast<int>(std::clamp<std::uint64_t>(bytes / row_bytes(), 1, static_cast<std::uint64_t>(map_.height)));
 }

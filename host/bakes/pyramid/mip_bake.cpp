@@ -50,7 +50,8 @@ void check_job(const MipJob& job) {
   validate(job.writing);
   check_paths_differ({job.input}, {job.output, job.report});
   if (!job.output.ends_with(".exr"))
-    throw Error(ErrorCode::kUsage, job.output + ": is not a name for a pyramid, expected one that ends in .exr");
+    throw Error(ErrorCode::kUsage,
+                job.output + ": is not a valid name for a pyramid, expected a name that ends in .exr");
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
 }
@@ -200,8 +201,9 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   progress_stage(progress, "read");
   const ColourRows source = read_colour_rows(job.input, reading_of(job), spill_policy(job), job.threads, progress);
   if (job.kind == PyramidKind::kPosition && source.channel_count != 3)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {} colour channel, expected 3 with positions x, y, z",
-                                               job.input, source.channel_count));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found {} colour channel, expected 3 channels with positions x, y, z", job.input,
+                            source.channel_count));
   report.read_seconds = seconds.lap();
   report.format = source.format;
   report.clamped_count = source.clamped_count;

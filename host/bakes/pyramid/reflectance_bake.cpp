@@ -142,10 +142,11 @@ PyramidHeader make_header(const ReflectanceJob& job) {
 }  // namespace
 
 void validate(const ReflectanceJob& job) {
-  if (job.lights.empty() && job.environment.empty()) refuse("found no --light and no --environment, expected one");
+  if (job.lights.empty() && job.environment.empty())
+    refuse("found no --light and no --environment, expected one of them");
   for (const ReflectanceLight& light : job.lights)
     if (!(glm::length(light.direction) > 0.0) || !is_colour(light.irradiance))
-      refuse("--light: expected a direction that is not 0 and an irradiance >= 0");
+      refuse("--light: expected a direction other than 0, and an irradiance >= 0");
   if (!(glm::length(job.viewer) > 0.0)) refuse("--viewer is 0,0,0, expected a direction towards the viewer");
   if (!(job.exponent >= 1.0f && job.exponent <= 1e5f))
     refuse(fmt::format("--brdf has an exponent of {}, expected 1 to 100000", job.exponent));
@@ -194,7 +195,8 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   validate(job);
   check_paths_differ({job.environment}, {job.output, job.report});
   if (!job.output.ends_with(".exr"))
-    throw Error(ErrorCode::kUsage, job.output + ": is not a name for a pyramid, expected one that ends in .exr");
+    throw Error(ErrorCode::kUsage,
+                job.output + ": is not a valid name for a pyramid, expected a name that ends in .exr");
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
   const Stopwatch reading;

@@ -75,7 +75,7 @@ class EffectRows {
   void add_filtering() {
     if (plan_.is_constant) {
       add_row("normals under texels", false,
-              fmt::format("no two normals are more than {:.2g} apart (unit vectors): one texel is enough",
+              fmt::format("no two unit normals differ by more than {:.2g}, so one texel is enough",
                           planner_.survey().normal_range),
               plan_.default_bake.cost - plan_.chosen.cost);
       return;
@@ -84,13 +84,13 @@ class EffectRows {
     for (const LevelStatistics& level : planner_.survey().levels)
       if (level.level >= plan_.first_seen) spread = std::max(spread, level.spread_mean);
     if (needs_.width_in_map) {
-      add_row("normals under texels", true, fmt::format("spread of normals and of their BRDFs up to {:.2g}", spread));
+      add_row("normals under texels", true, fmt::format("normals and their BRDFs spread by up to {:.2g}", spread));
       return;
     }
     const double without = error_of(0);
     const bool needed = without > scene_.budget.estimate_margin;
     add_row("normals under texels", needed,
-            fmt::format("spread of normals up to {:.2g}; one mean direction per texel has an error of {}", spread,
+            fmt::format("normals spread by up to {:.2g}; one mean direction per texel has an error of {}", spread,
                         percent_text(without)));
   }
 
@@ -105,21 +105,21 @@ class EffectRows {
     const bool needed = holds_lobes(chosen_.representation) && chosen_.lobe_count > 1;
     const auto one = [](BakeShape& s) { s.lobe_count = 1; };
     if (!is_estimated()) {
-      add_row("several lobes, EM", false, "there is no spread to divide", saved_by(one));
+      add_row("several lobes, EM", false, "the normals have no spread that lobes could divide", saved_by(one));
       return;
     }
     add_row("several lobes, EM", needed,
             fmt::format("{} {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("margin {}", percent_text(scene_.budget.estimate_margin))
-                            : fmt::format("the 4 lobes of the default bake {}, limit {}",
+                            : fmt::format("the 4 lobes of the default bake have {}, the limit is {}",
                                           parts_text(plan_.default_bake.error), parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
                      : ""),
             needed ? chosen_without(one) : saved_by(one));
     plan_.effects.back().list = lobes_tried();
-    if (needed) add_row("aligned lobes", true, "hardware filters several lobes, each with matching ones");
+    if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
   }
 
   // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", in the order of lobes. Candidates are in the order of their
@@ -145,7 +145,7 @@ class EffectRows {
   // Says why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe represents all normals";
-    if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights need vMF lobes";
+    if (needs_.width_in_map || needs_.weighted) return "a roughness map and weights need vMF lobes";
     if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which needs vMF lobes";
     if (needs_.environment_highlight || other.lobes != nullptr)  // or one vMF lobe is enough
       return !scene_.environment.empty() ? "an environment needs vMF lobes" : "one vMF lobe is enough";
@@ -206,8 +206,8 @@ class EffectRows {
     const double last = static_cast<double>(mip_level_size(plan_.width, plan_.last_seen)) *
                         mip_level_size(plan_.height, plan_.last_seen);
     add_row("coarsest levels", plan_.last_seen >= plan_.level_count - 1,
-            fmt::format("{}: kept, since the fit starts at the coarsest; all levels coarser than the last one shown "
-                        "are {:.2g} of the map",
+            fmt::format("{}: kept, because the fit starts at the coarsest level; all levels coarser than the last "
+                        "visible one take {:.2g} of the map's size",
                         why, last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
   }
 
@@ -228,8 +228,8 @@ class EffectRows {
     const double correlation = planner_.errors().colour_correlation(lobes);
     const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, needs_.diffuse_by, model); };
     add_row("colours of each lobe", plan_.chosen.lobe_colours,
-            fmt::format("{} of the colours' variance is between {} lobes; the error of diffuse light is {} with one "
-                        "colour per texel, {} with one per lobe",
+            fmt::format("{} of the colour variance is between {} lobes; the error of diffuse light is {} with one "
+                        "colour per texel, {} with one colour per lobe",
                         percent_text(correlation), lobes, percent_text(error(ColourModel::kMean)),
                         percent_text(error(ColourModel::kLobes))),
             plan_.chosen.lobe_colours ? chosen_without(none) : saved_by([&](BakeShape& s) {
@@ -274,7 +274,7 @@ class EffectRows {
     const auto none = [](BakeShape& s) { s.exponent_count = 0; };
     const bool needed = count > 0 || needs_.width_in_map;
     add_row("measuring highlights", needed,
-            needs_.width_in_map ? "the roughness map sets the width"
+            needs_.width_in_map ? "the roughness map sets the highlight's width"
             : needed            ? fmt::format("at s = {:.4g}{}", needs_.exponent_max,
                                    count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
                                 : "there are none",

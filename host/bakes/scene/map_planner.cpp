@@ -94,7 +94,7 @@ void MapPlanner::check_weights() const {
     if (&scene_.maps[object.map] == &map_ && object.materials.size() > 1 &&
         static_cast<int>(object.materials.size()) != source_->weights->count)
       throw Error(ErrorCode::kInput,
-                  fmt::format("{}: holds {} weights, expected {}: object \"{}\" has as many materials",
+                  fmt::format("{}: holds {} weights, expected {}: one for each material of object \"{}\"",
                               map_.job.weights, source_->weights->count, object.materials.size(), object.name));
 }
 
@@ -233,7 +233,7 @@ void MapPlanner::choose_nearest() {
   if (best->error.worst() > kEstimateMargin * target)
     throw Error(
         ErrorCode::kVerification,
-        fmt::format("{}: no settings have an estimated error close to target_error {:g}, the best is {:.3g} ({})",
+        fmt::format("{}: no settings have an estimated error close to target_error {:g}; the lowest is {:.3g} ({})",
                     map_.job.input, target, best->error.worst(), best->name));
   plan_.chosen = *best;
 }

@@ -36,14 +36,14 @@ void add_fresnel(const SceneDescription& scene, const SceneObject& object, const
   const bool has_any = std::any_of(object.materials.begin(), object.materials.end(),
                                    [&](std::size_t m) { return has_fresnel(brdf_of(m)); });
   if (!has_any) return add_row(plan, "Fresnel", false, "the BRDF has no Fresnel term");
-  if (!scene.environment.empty()) return add_row(plan, "Fresnel", true, "an environment's light comes from everywhere");
+  if (!scene.environment.empty()) return add_row(plan, "Fresnel", true, "environment light comes from all directions");
   if (object.materials.size() > 1) return add_row(plan, "Fresnel", true, "one of several BRDFs has a Fresnel term");
   const double v_h = least_half_cosine(object.tilt_max, map.z_min), margin = scene.budget.estimate_margin;
   const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
   const bool needed = fixed.change > margin;
   const std::string bound = fmt::format(
-      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): the error of a constant is at most {}, margin "
-      "{}",
+      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a constant has an error of at most {}, the "
+      "margin is {}",
       v_h, object.tilt_max, std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
       percent_text(fixed.change), percent_text(margin));
   add_row(plan, "Fresnel", needed, bound);
@@ -76,8 +76,8 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
   plan.environment_by_harmonics = environment && highlight && exponent <= kHarmonicsExponentMax;
   add_row(plan, "highlight", highlight,
           !highlight     ? "the material is diffuse"
-          : width_in_map ? "the roughness map sets its width"
-                         : fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent));
+          : width_in_map ? "the roughness map sets the width of the highlight"
+                         : fmt::format("as sharp as Blinn-Phong with s = {:.4g}", exponent));
   plan.stated_difference = map.stated_difference;
   add_fresnel(scene, object, map, plan);
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");
@@ -86,12 +86,12 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
   add_row(plan, "distant lights", distant > 0, fmt::format("the scene has {}", distant));
   add_row(plan, "point lights", points > 0, fmt::format("the scene has {}", points));
   add_row(plan, "environment, diffuse", environment,
-          environment ? "harmonics to order 2 represent all but 1 % of it" : "the scene has none");
+          environment ? "harmonics up to order 2 represent all but 1 % of diffuse light" : "the scene has none");
   add_row(plan, "environment, highlight", environment && highlight,
           !environment ? "the scene has none"
           : !highlight ? "the material has no highlight"
           : plan.environment_by_harmonics
-              ? "harmonics to order 8: the highlight is broad"
+              ? "harmonics up to order 8: the highlight is broad"
               : fmt::format("prefiltered mips: order 8 ends at s = {:.0f}", kHarmonicsExponentMax));
   return plan;
 }

@@ -153,14 +153,14 @@ Json map_json(const MapPlan& map, const SceneFiles& files) {
 std::string bakes_text(const MapPlan& map) {
   const BakeCandidate& chosen = map.chosen;
   if (!map.trials) return fmt::format("{} from level {}", chosen.name, chosen.shape.first_level);
-  return fmt::format("vmf, {} to {} lobes, to be chosen by trials, from level {}", map.trials->fewest.shape.lobe_count,
-                     map.trials->most.shape.lobe_count, chosen.shape.first_level);
+  return fmt::format("vmf, {} to {} lobes (trials choose the number), from level {}",
+                     map.trials->fewest.shape.lobe_count, map.trials->most.shape.lobe_count, chosen.shape.first_level);
 }
 
 // Cost of trials, which the model of costs does not include. A trial on a mosaic of 256 x 256 texels takes 0.05 to 0.7
 // s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
-  return fmt::format(" and the trials (up to {} per map, some seconds in total)",
+  return fmt::format(" and the trials (up to {} per map, a few seconds in total)",
                      target_candidates(Representation::kMovmf).size());
 }
 
@@ -173,14 +173,14 @@ std::string outcome_text(const MapPlan& map) {
     return low == high ? low : low + " to " + high;
   };
   return fmt::format(
-      "bake {} instead of {} ({}){}, textures {} instead of {} ({}); estimated error {}{}, that of the default bake "
-      "{}{}; pictures differ from the default bake's by at most {}{}",
+      "bake {} instead of {} ({}){}, textures {} instead of {} ({}); estimated error {}{}, default bake {}{}; pictures "
+      "differ from the default bake by at most {}{}",
       range_text(least.ms, most.ms, time_text), time_text(by_default.ms), share(&BakeCost::ms),
       map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(by_default.bytes),
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
       map.trials ? " with " + map.chosen.name : std::string(), map.default_error_is_bound ? "at most " : "",
       percent_text(map.default_bake.error.worst()), percent_text(map.stated_difference),
-      map.trials ? fmt::format("; the costs in the rows are for {}", map.chosen.name) : "");
+      map.trials ? fmt::format("; the costs in the rows are the costs of {}", map.chosen.name) : "");
 }
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }

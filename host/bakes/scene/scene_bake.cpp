@@ -57,8 +57,8 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings reach target_error {:g}, the best are {} with {:.3g}", job.input,
-                            target_error, chosen.options, chosen.reached.error));
+                fmt::format("{}: no settings reach target_error {:g}; the best are {}, with an error of {:.3g}",
+                            job.input, target_error, chosen.options, chosen.reached.error));
   options = chosen.options;
   return std::move(chosen.report);
 }
@@ -264,7 +264,7 @@ std::string SceneReport::to_text() const {
     return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
-         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, of the default bake {}); ",
+         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, default bake {}); ",
                      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
                      time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;

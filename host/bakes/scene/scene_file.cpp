@@ -139,7 +139,7 @@ std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family
   const std::vector<double> ends = table.numbers(key, {width.low, width.high, false, false, range_text(width)}, 2);
   if (ends.empty()) table.refuse("", fmt::format("has no {}, which is required", key));
   if (ends.size() == 2 && !(ends[0] < ends[1]))
-    table.refuse(key, fmt::format("is [{:g}, {:g}], expected the lower end first", ends[0], ends[1]));
+    table.refuse(key, fmt::format("is [{:g}, {:g}], expected the lower bound first", ends[0], ends[1]));
   std::vector<Brdf> brdfs;
   for (const double end : ends) {
     brdfs.push_back(brdf);
@@ -276,7 +276,7 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
   if (!light.is_point && light.place == glm::dvec3(0.0)) table.refuse(place, "is 0, expected a direction");
   light.power = read_colour(table, power, kFromZero, glm::vec3(light.is_point ? 1.0f : 3.14159265f));
   if (!light.is_point && (light.power.y != light.power.x || light.power.z != light.power.x))
-    table.refuse(power, "has colours, expected one number: distant lights are white");
+    table.refuse(power, "is a colour, expected one number: distant lights are white");
   return light;
 }
 
@@ -327,7 +327,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
 }
 
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern, bool reads_files) {
-  const toml::table toml = parse_toml(path, "a scene as docs/reference/scenes.md describes it");
+  const toml::table toml = parse_toml(path, "a scene as described in docs/reference/scenes.md");
   const StrictTable root(path, toml, "", {"camera", "budget", "map", "material", "object", "light", "environment"},
                          kWholeFile);
   SceneDescription scene;

@@ -82,9 +82,9 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
             step = &c;
           }
       if (step == nullptr)
-        throw Error(
-            ErrorCode::kVerification,
-            fmt::format("no settings meet the budget's {} of {:g}: the least possible is {:.6g}", what, *limit, total));
+        throw Error(ErrorCode::kVerification,
+                    fmt::format("no settings meet the budget's {} of {:g}: the lowest possible value is {:.6g}", what,
+                                *limit, total));
       cheapest->chosen = *step;
     }
   }

@@ -248,9 +248,10 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   }
   const ReachedError& judged = chosen.judged();
   if (chosen.confirmed)
-    text += fmt::format("  measured at footprints that had no part in the choice; at the other footprints: {}\n",
-                        error_text(chosen.reached.error, chosen.reached.confidence));
-  text += fmt::format("  95 % of pixels are within {}; the worst pixels cover {}, with {}\n",
+    text += fmt::format(
+        "  measured at footprints that were not used to choose the settings; at the footprints that were used: {}\n",
+        error_text(chosen.reached.error, chosen.reached.confidence));
+  text += fmt::format("  95 % of pixels have errors of at most {}; the worst pixels cover {} and have {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
                       in_percent(judged.worst_octave_error));
   return text;
@@ -273,7 +274,7 @@ void add_picture(const BakeJob& job, const BakeTarget& target, Progress* progres
 
 void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.error.has_value() == target.seconds.has_value())
-    throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected one of them");
+    throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected only one of them");
   if (target.error && !(*target.error > 0.0 && *target.error <= 2.0))
     throw Error(ErrorCode::kUsage, fmt::format("--target-error is {:g}, expected a number above 0, at most 2: 0.1 is "
                                                "10 % relative L1",
@@ -285,14 +286,16 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
     throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot shade",
                                                target.brdf.text, representation_info(*target.only).option));
   if (!job.measure)
-    throw Error(ErrorCode::kUsage,
-                "--no-measure excludes --target-error and --budget-ms, which choose settings by measured errors");
+    throw Error(
+        ErrorCode::kUsage,
+        "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
   if (job.region || !job.onto.empty())
     throw Error(ErrorCode::kUsage,
                 "--region and --onto use a file's settings: --target-error and --budget-ms cannot choose any");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
-                "--resume and --budget-ms exclude each other: a resumed bake is quicker than its settings");
+                "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "
+                "settings");
 }
 
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress) {

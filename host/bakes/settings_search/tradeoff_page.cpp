@@ -175,7 +175,8 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
 }
 
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
-  std::string text = "on a front of error against the work of a bake, memory or the work of a frame:\n";
+  std::string text =
+      "settings that no other setting beats in both error and cost (work of a bake, memory, or work of a frame):\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
     text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
@@ -193,9 +194,10 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   if (!is_asked(job)) return text;
   if (!result.chosen) return text + "no settings meet this\n";
   const TradeoffRow& chosen = result.rows[*result.chosen];
-  text += fmt::format("chosen: {}; 95 % of pixels are within {} %, the worst pixels cover {}, with {} %\n",
-                      chosen.options, percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
-                      percent(chosen.reached.worst_octave_error));
+  text +=
+      fmt::format("chosen: {}; 95 % of pixels have errors of at most {} %; the worst pixels cover {} and have {} %\n",
+                  chosen.options, percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
+                  percent(chosen.reached.worst_octave_error));
   return text;
 }
 

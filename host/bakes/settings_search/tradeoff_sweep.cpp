@@ -441,9 +441,10 @@ std::size_t TradeoffResult::setting_count() const {
 }
 
 TradeoffResult run_tradeoff(const TradeoffJob& job, Device& device, Progress* progress) {
-  if (job.error && job.bake_seconds) throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected one");
+  if (job.error && job.bake_seconds)
+    throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected only one of them");
   if (job.frame_ms_max && job.viewer.empty())
-    throw Error(ErrorCode::kUsage, "--max-frame-ms: no frame is drawn with --no-pictures, expected one of them");
+    throw Error(ErrorCode::kUsage, "--max-frame-ms needs pictures, found --no-pictures; expected only one of them");
   return Sweep(job, device, progress).run();
 }
 

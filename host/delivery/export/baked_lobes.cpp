@@ -54,7 +54,7 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
                                   storage_encoding_name(header.encoding));
   map.report.encoding = "normals of level 0";
   map.report.encoding_reason =
-      fmt::format("each texel has the normal of {} at this place", header.provenance.source_name);
+      fmt::format("each texel stores the normal of {} at the same position", header.provenance.source_name);
   map.report.wrap_s = header.wrap_s;
   map.report.wrap_t = header.wrap_t;
   std::vector<float> x, y, z;
@@ -69,7 +69,7 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
       const glm::vec3 n = unit_normal(finest.normals[i], header.representation);
       if (!std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z))
         refuse_baked(path,
-                     fmt::format("texel ({}, {}) of level 0 is not a direction", i % size_of(header.width),
+                     fmt::format("the normal at texel ({}, {}) of level 0 has no direction", i % size_of(header.width),
                                  size_of(row) + i / size_of(header.width)),
                      "finite normals; multum verify lists other damage");
       x[i] = n.x, y[i] = n.y, z[i] = n.z;
@@ -84,7 +84,7 @@ BakedLobes::BakedLobes(const std::string& path, const std::vector<int>& levels) 
   check_has_lobes(path, header);
   const RepresentationInfo& info = representation_info(header.representation);
   if (!info.has_kappa)
-    refuse_baked(path, fmt::format("holds {}, which GGX has no formula for", info.contents),
+    refuse_baked(path, fmt::format("holds {}, which have no GGX formula", info.contents),
                  "vMF lobes (multum bake --ndf vmf)");
   for (const int level : levels)
     if (level < header.first_level)

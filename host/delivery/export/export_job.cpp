@@ -29,7 +29,7 @@ MaterialFolderSettings output_of(const ExportJob& job) {
   const ExportPlace name = export_place(job.output);
   if (name.format && job.format && *name.format != *job.format)
     throw Error(ErrorCode::kUsage,
-                job.output + ": --format and the output's name disagree about the file type; expected one file type");
+                job.output + ": --format and the output's name give different file types; expected the same type");
   MaterialFolderSettings settings;
   settings.folder = name.folder;
   settings.name_prefix = name.stem.empty() ? "" : name.stem + "_";

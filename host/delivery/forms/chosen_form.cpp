@@ -38,7 +38,7 @@ std::string ChosenForm::to_text(bool has_own_maps) const {
   text += ": ";
   if (normals.has_fitted_normals()) text += "fitted normals and roughness";
   else if (normals.is_plain()) text += has_own_maps ? "its own maps stay" : "averages";
-  else text += has_own_maps ? "its own normals stay, roughness is fitted" : "averaged normals, fitted roughness";
+  else text += has_own_maps ? "keeps its normals, fitted roughness" : "averaged normals, fitted roughness";
   if (has_candidates) text += has_lobes ? ", with lobes" : ", without lobes";
   if (has_lobe_colours && errors.contains("lobe_colours_4")) {
     const FormError &own = errors.at("lobe_colours_4"), &mean = errors.at("mean_colour_4");

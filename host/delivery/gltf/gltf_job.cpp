@@ -105,7 +105,7 @@ class GltfConversion {
     progress_stage(progress_, "write");
     RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
     for (const std::string& uri : rewritten.left_outside)
-      warn(fmt::format("image {} has a type that glTF does not support; it remains a separate file", uri));
+      warn(fmt::format("image {} has a type that glTF does not support, so it remains a separate file", uri));
     warn_of_format(plan);
     hashes.check_unchanged(job_.input);
     report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);

@@ -152,7 +152,7 @@ class Planner {
     for (const char* name : {"KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"})
       if (extension_of(material, name) != nullptr)
         return fmt::format("{} defines the reflection of its surface in another way", name);
-    if (extension_of(material, "MULTUM_lobes") != nullptr) return "it has lobes already (MULTUM_lobes)";
+    if (extension_of(material, "MULTUM_lobes") != nullptr) return "it already has lobes (MULTUM_lobes)";
     static const GltfJson kNone = GltfJson::object();
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");
     const GltfJson& surface = found == nullptr ? kNone : *found;
@@ -219,7 +219,7 @@ class Planner {
     if (occlusion->coordinates == rough->coordinates && occlusion->wrap == rough->wrap &&
         !is_animated(number, "occlusionTexture/extensions"))
       return true;
-    made.notes.push_back("occlusion keeps the old roughness image, because both have different texture coordinates");
+    made.notes.push_back("occlusion keeps the old roughness image, because their texture coordinates differ");
     return false;
   }
 

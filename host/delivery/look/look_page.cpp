@@ -40,7 +40,7 @@ void check_map(const LookMap& map, const BakedHeader& header, bool same_source) 
         fmt::format("found a map of {} x {}, expected sides of at most {}, because the page holds the whole map",
                     header.width, header.height, kLookSideMax));
   if (map.source.empty() && header.first_level > 0)
-    refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the map by --source",
+    refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the normal map (--source)",
                                        header.first_level));
   if (map.source.empty() || header.provenance.source_hash.empty() ||
       hash_file(map.source) == header.provenance.file_hash())
@@ -48,7 +48,7 @@ void check_map(const LookMap& map, const BakedHeader& header, bool same_source) 
   const std::string found =
       fmt::format("is not the file that {} was baked from ({})", map.input, header.provenance.source_name);
   if (same_source) throw Error(ErrorCode::kInput, fmt::format("{}: {}, or has changed since", map.source, found));
-  log_warning(map.source, found + ": the page may compare two maps");
+  log_warning(map.source, found + ": the page may compare two different maps");
 }
 
 std::vector<BakedHeader> checked_headers(const LookJob& job) {
@@ -60,8 +60,8 @@ std::vector<BakedHeader> checked_headers(const LookJob& job) {
     texels += std::int64_t{headers.back().width} * headers.back().height;
   }
   if (texels > kLookTexelsMax)
-    throw Error(ErrorCode::kInput, fmt::format("found maps of {} texels together, expected at most {} (four maps of {} "
-                                               "x {}), because the page holds all maps",
+    throw Error(ErrorCode::kInput, fmt::format("found maps with {} texels in total, expected at most {} (four maps of "
+                                               "{} x {}), because the page holds all maps",
                                                texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
   return headers;
 }

@@ -36,7 +36,7 @@ void raise_file_limit(const ServiceSettings& settings) {
   const rlim_t wanted = static_cast<rlim_t>(settings.connections_max) + 256;
   if (limit.rlim_max < wanted)
     service_log(LogSeverity::kWarning, 0,
-                fmt::format("this process may open {} files, but connections_max is {}: expected a limit of {} files "
+                fmt::format("this process can open {} files, but connections_max is {}: expected a limit of {} files "
                             "(LimitNOFILE, ulimit -n)",
                             limit.rlim_max, settings.connections_max, wanted));
 }
@@ -178,7 +178,7 @@ class Service {
         const std::string token = read_token(settings.token_file);
         if (token.empty() && api_.has_token())
           throw Error(ErrorCode::kUsage,
-                      "the settings name no token_file any more: restart the service to run without a token");
+                      "token_file was removed from the settings: restart the service to run without a token");
         api_.set_token(token);
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
@@ -253,7 +253,7 @@ void run_service(const ServiceOptions& options) {
   check_service_settings(options.settings, options.settings_file, options.system);
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
-                "this kernel has no Landlock: workers are not barred from files outside the roots "
+                "this kernel has no Landlock, so workers can open files outside the roots "
                 "(docs/contributing/HOSTILE.md, \"The service\")");
   Service(options).run();
 }

@@ -72,8 +72,9 @@ void check_mappings(const InferredManifest& manifest, const InferredObject& obje
                                                of_sample.size(), manifest.samples.size()));
   for (const int number : of_sample)
     if (number < 0 || number >= std::ssize(object.mappings))
-      throw Error(ErrorCode::kInput, fmt::format("object '{}' has mapping {} at a sample, expected one of its {}",
-                                                 object.name, number, object.mappings.size()));
+      throw Error(ErrorCode::kInput,
+                  fmt::format("object '{}' uses mapping {} at a sample, expected one of its {} mappings", object.name,
+                              number, object.mappings.size()));
 }
 
 void check_textures(const InferredManifest& manifest) {

@@ -34,7 +34,7 @@ void check_settings(const PlaybackSettings& settings) {
   if (!(settings.lifetime >= 0.0 && settings.lifetime <= 1e6))
     refuse(fmt::format("a lifetime of {} frames, expected 0 to 1e6", settings.lifetime));
   if (!(settings.lifetime_factor >= 1.0 && settings.lifetime_factor <= 64.0))
-    refuse(fmt::format("a factor of lifetimes of {}, expected 1 to 64", settings.lifetime_factor));
+    refuse(fmt::format("a lifetime factor of {}, expected 1 to 64", settings.lifetime_factor));
 }
 
 /// All samples of a block share one mapping.
@@ -232,7 +232,7 @@ void FieldPlayback::damage(Chunk& chunk, const std::string& what) {
 }
 
 void FieldPlayback::leave_out(Chunk& chunk, const std::string& part) {
-  damage(chunk, fmt::format("{} is left out: its {} would take too much of {} bytes of memory",
+  damage(chunk, fmt::format("{} is left out: its {} would take too much of the {} bytes of memory",
                             file_.section_name(chunk.section), part, memory_.bytes_max()));
 }
 

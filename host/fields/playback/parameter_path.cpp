@@ -115,7 +115,7 @@ class PathParser {
     }
   }
   void factor(int depth) {
-    if (depth > kDepthMax) refuse(fmt::format("at most {} nested parentheses and signs", kDepthMax));
+    if (depth > kDepthMax) refuse(fmt::format("at most {} levels of parentheses and signs", kDepthMax));
     if (takes("-")) {
       factor(depth + 1);
       return add(Kind::kNegate);

@@ -166,7 +166,7 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
                                           parts_[rows.part].name, rows.level, tile_row, begin, end - 1);
     if (check_ == TexelCheck::kRefuse)
       throw Error(ErrorCode::kInput,
-                  fmt::format("{}: {}: {}: the checksum of the texels differs, so they are not the baked ones. {}",
+                  fmt::format("{}: {}: {}: the checksum of the texels differs, so they have changed since the bake. {}",
                               path_, kDamaged, place, kWriteAnew));
     changed_rows_.push_back(place);
   }
@@ -193,8 +193,8 @@ void BakedReader::check_content_hash() {
   const std::string found = hash.finish();
   if (found == stated) return;
   throw Error(ErrorCode::kInput,
-              fmt::format("{}: {}: its texels are not the baked ones: found checksum {}, expected {} ({}). {}", path_,
-                          kDamaged, found, stated, kContentHashAttribute, kWriteAnew));
+              fmt::format("{}: {}: its texels have changed since the bake: found checksum {}, expected {} ({}). {}",
+                          path_, kDamaged, found, stated, kContentHashAttribute, kWriteAnew));
 }
 
 BakedRowHash::BakedRowHash(const std::vector<BakedPart>& parts) {

@@ -92,7 +92,7 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
   const std::vector<double> numbers = numbers_of(path, text);
   const double first = numbers.empty() ? 0.0 : numbers[0];
   if (first < 3.0 || first > 1000.0 || first != std::floor(first))
-    refuse_file(path, fmt::format("found {} as the count of wavelengths, expected 3 to 1000", first));
+    refuse_file(path, fmt::format("found {} as the number of wavelengths, expected 3 to 1000", first));
   const auto count = static_cast<std::size_t>(first);
   const std::size_t width = 4 + count;
   if (numbers.size() < 1 + count + width || (numbers.size() - 1 - count) % width != 0)
@@ -223,7 +223,7 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
     read_merl(path, in, cells);
     return cells.factor(path);
   }
-  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text of samples or a network");
+  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text file of samples, or a network");
   in.seekg(0);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t begin = text.find_first_not_of(" \t\r\n");

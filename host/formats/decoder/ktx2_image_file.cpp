@@ -36,7 +36,7 @@ class Ktx2ImageFile : public LibraryImageFile {
   }
 
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
-    if (block.base_type != survey_.base_type) return "cannot convert its texels to this type of numbers";
+    if (block.base_type != survey_.base_type) return "cannot convert its texels to this number type";
     const std::size_t value_bytes = survey_.base_type == number_type::kHalf ? 2 : 1;
     const auto channels = static_cast<std::size_t>(survey_.channel_count);
     const std::size_t texel_bytes = channels * value_bytes;

@@ -43,9 +43,7 @@ void check_no_luminance(const std::string& path, const ImagePart& part) {
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
       refuse_file(
           path,
-          fmt::format(
-              "found channel {}, of brightness and differences of colour (Y, RY, BY), expected red, green and blue",
-              name));
+          fmt::format("found channel {} of a luminance/chroma image (Y, RY, BY), expected red, green and blue", name));
 }
 
 constexpr int kColourChannelCountMax = 64;

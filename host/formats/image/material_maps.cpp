@@ -240,8 +240,8 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
   const double correlation = sums.colour_correlation(count);
   if (sums.difference / count > kColourDifferenceMin && correlation > kColourCorrelationMin)
     report.warnings.push_back(
-        fmt::format("{}: red, green and blue differ, but with correlation {:.2f}, as in a picture; green was used as "
-                    "{}: is it a colour or specular map? Use FILE:CHANNEL to name a channel",
+        fmt::format("{}: red, green and blue differ, but have a correlation of {:.2f}, as in a picture; green was used "
+                    "as {}: is it a colour or specular map? Use FILE:CHANNEL to name a channel",
                     file.path, correlation, file.is_gloss ? "gloss" : "roughness"));
   return report;
 }

@@ -24,7 +24,7 @@ void check_buffers(const nlohmann::json& json, const std::string& path) {
   for (const nlohmann::json& buffer : *buffers) {
     if (!buffer.is_object() || !buffer.contains("uri")) continue;
     const nlohmann::json& uri = buffer.at("uri");
-    if (!uri.is_string()) refuse_file(path, "is damaged: a buffer's URI is not a text");
+    if (!uri.is_string()) refuse_file(path, "is damaged: a buffer's URI is not a string");
     if (!uri.get_ref<const std::string&>().starts_with("data:")) uri_path(path, uri.get_ref<const std::string&>());
     const bool has_length = buffer.contains("byteLength");
     if (has_length) json_integer(buffer, "byteLength", 0, static_cast<std::int64_t>(kModelBytesMax));

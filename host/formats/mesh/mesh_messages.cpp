@@ -113,8 +113,9 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in) {
   for_each_array(meshes, [&](auto& array) {
     const auto count = in.number<std::uint64_t>();
     if (count > left / sizeof(array[0]))
-      refuse_file(file.path, fmt::format("damaged: {} vertex or triangle numbers, expected a mesh of at most {} bytes",
-                                         count, file.memory_max));
+      refuse_file(file.path,
+                  fmt::format("damaged: {} values for vertices or triangles, expected a mesh of at most {} bytes",
+                              count, file.memory_max));
     left -= count * sizeof(array[0]);
     array.resize(count);
   });

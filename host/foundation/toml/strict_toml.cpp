@@ -56,7 +56,7 @@ std::string read_text(const std::string& path, const std::string& expected, std:
 }
 
 [[noreturn]] void refuse_nul_at(const std::string& path, std::uint32_t line) {
-  refuse_at(path, line, "holds the character NUL (\\u0000), which no text or key may contain");
+  refuse_at(path, line, "holds the character NUL (\\u0000), which no string or key may contain");
 }
 
 // Functions that take names stop at NUL, so two parts of a program would see two different names. TomlLimits bound the

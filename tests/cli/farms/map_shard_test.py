@@ -176,7 +176,7 @@ class MapShardTest(unittest.TestCase):
                                 (("--shard", "0/2", "--lobes", 1), "plain average"),
                                 (("--shard", "1/2", "--refine"), "--refine"),
                                 (("--merge", 2, "--refine"), "--refine"),
-                                (("--shard", "1/2", "--ndf", "sh"), "expected lobes"),
+                                (("--shard", "1/2", "--ndf", "sh"), "expected vMF lobes"),
                                 (("--shard", "1/2", "--merge", 2), "exclude each other"),
                                 (("--merge", 2, "--target-error", "0.1"), "exclude each other")):
             with self.subTest(words=words):

@@ -236,7 +236,7 @@ class GltfLobesTest(FolderCase):
             if name not in ("buffers", "bufferViews"):
                 self.assertEqual(second.json[name], value, name)
         self.assertEqual(self.lobes_of(first, 0), self.lobes_of(second, 0))
-        self.assertIn("lobes already", json.loads(self.read("report.json"))["materials"][0]["kept"])
+        self.assertIn("already has lobes", json.loads(self.read("report.json"))["materials"][0]["kept"])
 
     def test_extensions_of_others_stay(self):
         model = plain_model()

@@ -146,7 +146,7 @@ TEST_F(PackCommandTest, TargetsAreMet) {
   ASSERT_EQ(pack("error.mpt", {"--mse-max", "6"}).exit_code, 0);
   ASSERT_EQ(unpack("error.mpt", "error").exit_code, 0);
   EXPECT_NEAR(drawn_mse("error") / 6.0, 1.0, 0.5);
-  expect_refusal(pack("none.mpt", {"--bytes", "200"}), kUsage, {"200 bytes", "cannot be met"});
+  expect_refusal(pack("none.mpt", {"--bytes", "200"}), kUsage, {"200 bytes", "cannot be reached"});
   expect_refusal(pack("none.mpt", {"--bytes", "20000", "--ratio", "5"}), kUsage, {"--ratio"});
   EXPECT_FALSE(fs::exists(path("none.mpt")));
 }
@@ -170,10 +170,10 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const ProgramResult by_error = pack("error.mpt", {"--mse-max", "6"});
   EXPECT_EQ(by_error.err.find("warning"), std::string::npos) << by_error.err;
   expect_refusal(pack("none.mpt", {"--ratio", "384"}), kUsage,
-                 {"a ratio of 384 (324 bytes) cannot be met", "--mse-max"});
+                 {"a ratio of 384 (324 bytes) cannot be reached", "--mse-max"});
   // Without a report the allowed error is unknown.
   fs::remove(path("out/report.json"));
-  expect_refusal(pack("none.mpt", {}), kUsage, {"a ratio of 384", "cannot be met", "--ratio", "--mse-max"});
+  expect_refusal(pack("none.mpt", {}), kUsage, {"a ratio of 384", "cannot be reached", "--ratio", "--mse-max"});
 }
 
 TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
@@ -330,7 +330,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   refused("some text, longer than a head", {"bad.mpt", "not a packed field"});
   std::string damaged = whole;
   damaged[12] = static_cast<char>(damaged[12] ^ 1);
-  refused(damaged, {"bad.mpt", "index is damaged"});
+  refused(damaged, {"bad.mpt", "checksum of its index differs"});
   damaged = whole;
   const std::size_t description = PackedFieldFile(path("field.mpt")).index().sections().front().offset;
   damaged[description + 40] = static_cast<char>(damaged[description + 40] ^ 1);

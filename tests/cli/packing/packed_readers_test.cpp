@@ -277,7 +277,7 @@ TEST_F(PackedReadersTest, InNodeTheModuleGivesTheSameBytes) {
     decoded_chunks(path(name), list);
     EXPECT_EQ(said["chunks"], list);
     ASSERT_EQ(said["refused"].size(), 3u);
-    for (const char* part : {"longer or shorter", "index is damaged", "checksum differs"}) {
+    for (const char* part : {"longer or shorter", "checksum of its index", "checksum differs"}) {
       const auto has = [&](const nlohmann::json& text) {
         return text.get<std::string>().find(part) != std::string::npos;
       };

@@ -43,8 +43,9 @@ double filament(double length, double roughness) {
 
 const std::vector<EngineRule>& engine_rules() {
   static const std::vector<EngineRule> rules = {
-      {"averaged", "averaged normals", "without a rule: base roughness at every level", averaged},
-      {"unreal", "Unreal", "TextureCompressorModule.cpp, ApplyCompositeTexture; without the blur of normals", unreal},
+      {"averaged", "averaged normals", "no rule: base roughness at every level", averaged},
+      {"unreal", "Unreal", "TextureCompressorModule.cpp, ApplyCompositeTexture, but without its blur of normals",
+       unreal},
       {"unity", "Unity HDRP", "CommonMaterial.hlsl, TextureNormalVariance and NormalFiltering", unity},
       {"godot", "Godot", "core/io/image.cpp, Image::generate_mipmap_roughness", godot},
       {"filament", "Filament", "tools/roughness-prefilter, literally", filament}};

@@ -96,7 +96,7 @@ void check_places_differ(const std::vector<ManifestEntry>& entries) {
 }  // namespace
 
 std::vector<ManifestExport> read_export_manifest(const std::string& path, const ExportJob& pattern) {
-  const toml::table root = parse_toml(path, "a manifest as docs/reference/manifests.md describes it");
+  const toml::table root = parse_toml(path, "a manifest as described in docs/reference/manifests.md");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(export_parameters());
   const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);

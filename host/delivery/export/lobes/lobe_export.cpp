@@ -39,7 +39,7 @@ MovmfMipmap read_lobes(const LobeExportJob& job) {
     refuse("no vMF lobes", "a file of multum bake without --ndf, because --lobes stores only vMF lobes");
   if (header.level_count() < 2) refuse("a map of one texel", "a map with more than one level");
   if (header.weight_count > 0)
-    refuse("weights of basis BRDFs", "a file without them, because the texture cannot store weights");
+    refuse("weights of basis BRDFs", "a file without weights, because the texture cannot store weights");
   if (header.has_colours && !job.keeps_colours)
     log_warning(job.input, "has colours, which --lobes does not store; renderers use the albedo map");
   return read_movmf_mipmap(job.input, job.threads);

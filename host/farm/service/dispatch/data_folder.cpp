@@ -112,12 +112,10 @@ void DataFolder::check_room(std::int64_t more) {
   if (bytes_max_ <= 0) return;
   const std::int64_t there = bytes();
   if (there + more > bytes_max_)
-    throw Refusal{
-        507, "quota",
-        fmt::format(
-            "uploads, results, logs and pictures take {} of {} bytes: there is no room for {} more; purge jobs, "
-            "or raise data_max",
-            there, bytes_max_, more)};
+    throw Refusal{507, "quota",
+                  fmt::format("uploads, results, logs and pictures take {} of {} bytes, so there is no room for {} "
+                              "more; purge jobs, or raise data_max",
+                              there, bytes_max_, more)};
 }
 
 void DataFolder::take_room(std::int64_t bytes) {

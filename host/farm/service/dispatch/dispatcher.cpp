@@ -392,7 +392,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
     return note_end(id, owner, attempt, result_of(moved));
   }
   if (identity.empty())
-    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "the command succeeded, but made no result"});
+    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "the command succeeded, but wrote no result"});
   const auto is_mine = std::make_shared<bool>(false);
   note(
       id,
@@ -403,7 +403,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
       [=, this] {
         if (*is_mine && have_inputs_changed && !job.key.empty())
           service_log(LogSeverity::kInfo, id,
-                      "its input has changed since the job was submitted: other jobs will not reuse its result");
+                      "its input has changed since the job was submitted, so other jobs will not reuse its result");
         if (*is_mine) return finish_publishing(job, identity);
         note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has replaced this one"});
       });
@@ -467,8 +467,9 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
   const std::string kept = staged(job).publish(identity);
   data_.count_result(job.output);
   if (!kept.empty())
-    service_log(LogSeverity::kWarning, job.id,
-                fmt::format("{} held files that this service did not publish; they are in {}", job.output, kept));
+    service_log(
+        LogSeverity::kWarning, job.id,
+        fmt::format("{} held files that this service did not publish; they were moved to {}", job.output, kept));
 }
 
 void Dispatcher::remove_staging(const Job& job) const {
@@ -600,7 +601,7 @@ void Dispatcher::drain(std::function<void()> done) {
   drain_timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     for (const std::int64_t id : pool_.running())
-      stop_job(id, "handed back by a daemon that was asked to end", AttemptOutcome::kReturned);
+      stop_job(id, "returned to the queue by a daemon that was asked to end", AttemptOutcome::kReturned);
   });
   changed({});
 }

@@ -190,7 +190,7 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
   if (settings.roots.empty())
     throw Error(
         ErrorCode::kUsage,
-        "there is no root; name the folders that jobs may read and write with --root, or with roots in the settings");
+        "no roots are set; name the folders that jobs may read and write with --root, or with roots in the settings");
   const std::string socket = parse_listen_address(settings.listen).unix_path;
   const std::pair<const char*, std::string> own[] = {{"the data folder", settings.data},
                                                      {"the token", settings.token_file},
@@ -201,8 +201,9 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
     if (const std::string part = path.empty() ? "" : part_that_holds(system, path); !part.empty())
       throw Error(
           ErrorCode::kUsage,
-          fmt::format("{} is in {}, where every worker may read its libraries and drivers; expected another folder",
-                      path, part));
+          fmt::format(
+              "{} is in {}, which every worker can read because of its libraries and drivers; expected another folder",
+              path, part));
   for (const std::string& named : settings.roots) {
     const std::string root = canonical_name(named);
     for (const auto& [what, path] : own)
@@ -225,10 +226,9 @@ void check_slurm(const SlurmSettings& settings) {
         ErrorCode::kUsage,
         fmt::format("the folder of [slurm] {}: expected a folder with the same path on all nodes", settings.folder));
   if (found.st_uid != ::geteuid() || (found.st_mode & 022) != 0)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("the folder of [slurm] {}: other users own it or may write there, expected a folder for "
-                            "only the service's user (chmod 700)",
-                            settings.folder));
+    throw Error(ErrorCode::kUsage, fmt::format("the folder of [slurm] {}: other users own it or may write there, "
+                                               "expected a folder for only the service's user (chmod 700)",
+                                               settings.folder));
 }
 
 }  // namespace

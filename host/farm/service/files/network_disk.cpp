@@ -58,12 +58,10 @@ void check_is_local(const std::string& folder) {
   if (result != 0) fail_by_errno(folder, "cannot examine its file system");
   const std::string name = network_disk_name(static_cast<std::int64_t>(found.f_type));
   if (!name.empty())
-    throw Error(
-        ErrorCode::kEnvironment,
-        fmt::format(
-            "{}: is on a network file system ({}), where a ledger is not safe; expected a disk of this machine. "
-            "Name another folder with --data; roots may be on a network",
-            folder, name));
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: is on a network file system ({}), where a ledger is not safe; expected a local disk. "
+                            "Name another folder with --data; roots may be on a network",
+                            folder, name));
 }
 
 }  // namespace multum

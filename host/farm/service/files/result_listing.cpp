@@ -159,7 +159,7 @@ ResultSeal take_up_seal(const std::string& path) {
   if (std::ifstream file(path); std::getline(file, key) && key.size() == kKeyDigits) return {key};
   unsigned char random[kKeyDigits / 2];
   if (RAND_bytes(random, sizeof(random)) != 1)
-    throw Error(ErrorCode::kEnvironment, path + ": cannot make a key: the system provides no random numbers");
+    throw Error(ErrorCode::kEnvironment, path + ": cannot create a key: the system provides no random numbers");
   key.clear();
   for (const unsigned char byte : random) key += fmt::format("{:02x}", byte);
   ::unlink(path.c_str());  // remains of an interrupted start

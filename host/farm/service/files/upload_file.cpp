@@ -14,7 +14,7 @@ namespace multum {
 
 UploadFile::UploadFile(const std::string& folder)
     : folder_(folder), file_(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) {
-  if (!file_.is_open()) fail_to_write(folder, "an upload cannot be kept here");
+  if (!file_.is_open()) fail_to_write(folder, "an upload cannot be stored here");
 }
 
 void UploadFile::write(std::string_view bytes) {
@@ -23,7 +23,7 @@ void UploadFile::write(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(file_.descriptor(), bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail_to_write(folder_, "an upload cannot be kept here");
+    if (count <= 0) fail_to_write(folder_, "an upload cannot be stored here");
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
 }

@@ -160,7 +160,8 @@ struct HttpApi::State {
     std::int64_t bytes = 0;
     co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
     if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))
-      throw Refusal{503, "busy", "there is not enough memory for so many jobs; ask for fewer", {{"Retry-After", "1"}}};
+      throw Refusal{
+          503, "busy", "there is not enough memory for so many jobs; request fewer jobs", {{"Retry-After", "1"}}};
     Json jobs = Json::array();
     co_await in_ledger([&](JobQueue& queue) {
       jobs = Json::array();

@@ -127,7 +127,7 @@ void serve_range(HttpResponse& response, const RangeRequest& request, bool is_he
   if (part->count == 0) {
     response = refusal_response({416,
                                  "range",
-                                 fmt::format("there are {} bytes, and the requested range is outside", bytes),
+                                 fmt::format("the file has {} bytes, and the requested range is outside", bytes),
                                  {{"Content-Range", fmt::format("bytes */{}", bytes)}, {"Accept-Ranges", "bytes"}}});
     return;
   }

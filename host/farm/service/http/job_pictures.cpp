@@ -257,7 +257,7 @@ void JobPictures::remove_folder(const std::string& folder) {
 
 void JobPictures::make(const Request& request) {
   const auto check_result = [&] {
-    if (!has_result(request)) refuse("its result was changed or removed since");
+    if (!has_result(request)) refuse("its result has been changed or removed");
   };
   check_result();
   if (is_made(request)) return;

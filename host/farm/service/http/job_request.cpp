@@ -78,7 +78,7 @@ std::string output_of(const std::string& named, const JobRoots& roots) {
 void refuse_nul(const Json& json) {
   const auto check = [](const std::string& text) {
     if (text.find('\0') != std::string::npos)
-      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a text without NUL", shortened(text))};
+      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a string without NUL", shortened(text))};
   };
   if (json.is_string()) check(json.get_ref<const std::string&>());
   if (json.is_object())
@@ -142,7 +142,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   JobSubmission& s = request.job;
   const auto is_text = [](const Json& value) { return is_plain(value); };
   if (!json.contains("type")) throw Refusal{400, "usage", "type is missing"};
-  s.type = value_of<std::string>(json, "type", "", is_text, "a text");
+  s.type = value_of<std::string>(json, "type", "", is_text, "a string");
   const JobType& type = find_job_type(s.type);
   Json& parameters = request.parameters = json.value("parameters", Json::object());
   check_parameters(type, parameters);

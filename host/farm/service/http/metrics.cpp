@@ -57,11 +57,11 @@ void add_slurm(Text& text, const SlurmPool& slurm) {
   text.one("multum_slurm_submit_failures_total", "counter",
            "Failed calls of sbatch, and orders that could not be written.", c.submit_failures);
   text.one("multum_slurm_submit_seconds_total", "counter", "Time to write orders and to run sbatch.", c.submit_seconds);
-  text.one("multum_slurm_sent_again_total", "counter", "Jobs that Slurm forgot or did not begin, sent again.",
+  text.one("multum_slurm_sent_again_total", "counter", "Jobs sent again because Slurm lost or did not start them.",
            c.forgotten);
-  text.one("multum_slurm_unknown_cancelled_total", "counter", "Slurm jobs that the ledger did not know.",
-           c.cancelled_unknown);
-  text.one("multum_slurm_parts_ended_total", "counter", "Parts that have ended in any way.", c.parts_ended);
+  text.one("multum_slurm_unknown_cancelled_total", "counter",
+           "Slurm jobs cancelled because they were not in the ledger.", c.cancelled_unknown);
+  text.one("multum_slurm_parts_ended_total", "counter", "Parts that have ended, with any outcome.", c.parts_ended);
   text.one("multum_slurm_parts_lost_total", "counter", "Parts whose task was lost.", c.parts_lost);
   text.one("multum_slurm_rounds_total", "counter", "Repeated requests for missing shares of a map.", c.rounds);
 }

@@ -36,7 +36,7 @@ const std::vector<JobField>& job_fields() {
        .label = "label",
        .asked_as = "label",
        .asked_described = "A text for people.",
-       .expected = "a text of up to 1000 characters",
+       .expected = "a string of up to 1000 characters",
        .option = "--label",
        .option_help = "label, any text"},
       {.name = "priority",

@@ -26,8 +26,9 @@ JobQueue::JobQueue(const LedgerSettings& settings)
     : database_(settings.path), policy_(settings.retry), results_(settings.results), numbers_(settings.numbers) {
   prepare_ledger(database_, settings.may_begin);
   if (const std::string damage = database_.damage(); !damage.empty())
-    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}; docs/reference/service.md tells how to repair it",
-                                               settings.path, damage));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: is damaged: {}; docs/reference/service.md explains how to repair it", settings.path, damage));
   take_instance(settings);
   take_numbers();
   resync();
@@ -404,7 +405,7 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
     return result;
   }
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
-    return {{}, fmt::format("job {} {}: it cannot be retried, submit it again", id, gone)};
+    return {{}, fmt::format("job {} {}: the job cannot be retried, submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
   // Jobs that died without ever running, because they need these, wait again, unless they lack another need or their
   // deadline has passed. Each such job is examined once per job that it needs.
@@ -568,7 +569,7 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
     }
     // A job on its way to Slurm had not begun.
     const AttemptResult lost =
-        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before the job was sent to Slurm"}
+        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before it sent the job to Slurm"}
                  : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while the job ran"};
     close_attempt(job, lost, now);
     requeue_or_die(job, lost, now);

@@ -398,10 +398,9 @@ RescueReport rescue_ledger(const std::string& data) {
     rescued = rescue_copy(settings, scaffold.copy, data, true);
   }
   if (rescued.jobs() == 0 && !rescued.is_whole)
-    throw Error(ErrorCode::kInput,
-                path +
-                    ": no job can be read, and nothing was changed; replace it by a backup, or move it away and "
-                    "start once with 'multum serve --new-ledger'");
+    throw Error(ErrorCode::kInput, path +
+                                       ": no job can be read, and nothing was changed; replace it with a backup, or "
+                                       "move it away and start once with 'multum serve --new-ledger'");
   RescueReport report;
   report.tables = std::move(rescued.tables);
   report.kept = take_place(path, scaffold.fresh);

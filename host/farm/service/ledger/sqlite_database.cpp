@@ -216,8 +216,9 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_CORRUPT:
       throw SqliteError(
           ErrorCode::kInput,
-          fmt::format("{}: is damaged or not a database of jobs: {}; docs/reference/service.md tells how to repair it",
-                      path_, what),
+          fmt::format(
+              "{}: is damaged or not a database of jobs: {}; docs/reference/service.md explains how to repair it",
+              path_, what),
           result);
     case SQLITE_READONLY: check_may_change(); break;
     case SQLITE_FULL: throw NoSpaceError(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));

@@ -168,8 +168,9 @@ int run_slurm_task(const std::string& batch_folder, std::optional<int> array_ite
   SlurmOrder order = folder.read_order();
   if (order.is_array) {
     if (!array_item)
-      throw Error(ErrorCode::kUsage,
-                  batch_folder + ": belongs to an array of tasks, expected the variable SLURM_ARRAY_TASK_ID");
+      throw Error(ErrorCode::kUsage, batch_folder +
+                                         ": belongs to an array of tasks, but the variable SLURM_ARRAY_TASK_ID is not "
+                                         "set; expected the number of the task");
     std::erase_if(order.items, [&](const SlurmOrder::Item& item) { return item.number != *array_item; });
   }
   const std::string work_folder = folder.make_work_folder(order.is_array ? *array_item : 0);

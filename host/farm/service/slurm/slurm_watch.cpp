@@ -129,7 +129,7 @@ std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
     targets.push_back({name, job});
     if (!cancelled_unknown_.insert(job).second) continue;
     ++counters_.cancelled_unknown;
-    service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, which the ledger does not know", job));
+    service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, which is not in the ledger", job));
   }
   return targets;
 }
@@ -196,7 +196,7 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   else if (!part.heard) part.heard = now;
   else if (now - *part.heard > settings_.slurm.lease) {
     part.is_cancelled = true;
-    part.row.message = fmt::format("its task was silent for {} ms and was cancelled", settings_.slurm.lease.count());
+    part.row.message = fmt::format("its task sent nothing for {} ms and was cancelled", settings_.slurm.lease.count());
     to_cancel.push_back({task->name, *batch.slurm_job, batch.is_array ? task->item : -1});
   }
   return Fate::kGoesOn;
@@ -233,7 +233,7 @@ SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmT
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
   std::string message = task == nullptr ? fmt::format("Slurm no longer knows its task {}", name)
-                                        : fmt::format("its task at Slurm, {}, ended as {}{}", name, task->state,
+                                        : fmt::format("its Slurm task {} ended as {}{}", name, task->state,
                                                       task->node.empty() ? "" : " on " + task->node);
   if (!part.row.message.empty()) message = part.row.message + "; " + message;
   if (!seen.last_words.empty()) message += ": " + seen.last_words;
@@ -359,7 +359,7 @@ void SlurmPool::send_again(std::int64_t number) {
   if (is_hopeless) {
     for (SlurmPart& row : parts) {
       row.state = SlurmPartState::kLost;
-      row.message = fmt::format("Slurm did not begin it, although it was sent {} times", kSubmissionsMax);
+      row.message = fmt::format("Slurm did not start it, although it was sent {} times", kSubmissionsMax);
       results_[{row.batch, row.item}] = {-1, row.message, false};
     }
     counters_.parts_lost += parts.size();
@@ -369,8 +369,8 @@ void SlurmPool::send_again(std::int64_t number) {
   ++counters_.forgotten;
   service_log(
       LogSeverity::kWarning, parts.front().job,
-      fmt::format("Slurm no longer knows its job {}, or did not begin it: sent again", old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not begin it; it was sent again");
+      fmt::format("Slurm no longer knows its job {}, or did not start it: sent again", old.slurm_job.value_or(0)));
+  replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not start it; it was sent again");
 }
 
 // Removes the files of batches once the ledger has recorded how their parts ended.

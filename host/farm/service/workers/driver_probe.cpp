@@ -40,7 +40,7 @@ DriverProbe::Finding DriverProbe::ask_child() const {
     const ChildResult result = run_child(command_, limits);
     if (result.is_over_time)
       return {false, fmt::format("the OpenCL drivers did not answer within {} s", kProbeTimeMax.count())};
-    if (result.signal != 0) return {false, fmt::format("an OpenCL driver crashed by signal {}", result.signal)};
+    if (result.signal != 0) return {false, fmt::format("an OpenCL driver crashed with signal {}", result.signal)};
     return {result.exit_code == 0, result.exit_code == 0 ? "" : last_line_said(result.output)};
   } catch (const std::exception& error) {
     return {false, error.what()};

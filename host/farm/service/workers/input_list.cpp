@@ -60,7 +60,7 @@ InputList list_inputs_in_child(const JobType& type, const Json& parameters, cons
   if (child.exit_code != 0) throw Error(error_code_of(child.exit_code), message_of(child.output));
   const Json list = Json::parse(last_line(child.output), nullptr, false);
   if (!list.is_object())
-    throw Error(ErrorCode::kEnvironment, file + ": the list of files that it names could not be made");
+    throw Error(ErrorCode::kEnvironment, file + ": the list of files that it names could not be created");
   return {paths_of_texts(list.at("files").get<std::vector<std::string>>()), list.at("identity").get<std::string>()};
 }
 

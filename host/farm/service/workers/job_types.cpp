@@ -32,7 +32,7 @@ std::vector<JobType>& registered_types() {
 
 // A job accepts less than a command line: no control characters, and no files except for its inputs.
 std::string expected_of_job(const Parameter& parameter) {
-  return parameter.kind == Kind::kText ? "a text of up to 1000 characters without control characters"
+  return parameter.kind == Kind::kText ? "a string of up to 1000 characters without control characters"
                                        : expected_text(parameter);
 }
 

@@ -297,7 +297,7 @@ void WorkerPool::look_after(const std::shared_ptr<Worker>& worker, Clock::time_p
   if (now > worker->kill_at) {
     reap(worker, worker->why_killed);
   } else if (now - worker->heard > settings_.lease) {
-    reap(worker, fmt::format("its worker was silent for {} ms and was killed", settings_.lease.count()));
+    reap(worker, fmt::format("its worker sent nothing for {} ms and was killed", settings_.lease.count()));
   } else if (worker->job != 0 && settings_.no_progress.count() > 0 && now - worker->got_on > settings_.no_progress) {
     reap(worker, fmt::format("its worker made no progress for {} ms and was killed", settings_.no_progress.count()));
   }

@@ -34,7 +34,7 @@ std::optional<std::size_t> PackedIndex::bytes_needed(std::span<const std::uint8_
     return {};
   }
   if (length > kIndexBytesMax) {
-    problem = "an index of " + std::to_string(length) + " bytes, expected at most 2^26";
+    problem = "a packed field with an index of " + std::to_string(length) + " bytes, expected at most 2^26";
     return {};
   }
   return kHeadBytes + static_cast<std::size_t>(length) + kChecksumBytes;
@@ -50,14 +50,14 @@ std::optional<PackedIndex> PackedIndex::read(std::span<const std::uint8_t> begin
   if (begin.size() < *needed) return refuse("cut short within its index");
   const auto checked = begin.first(*needed - kChecksumBytes);
   ByteReader checksum(begin.subspan(checked.size(), kChecksumBytes));
-  if (checksum.fixed(4) != section_checksum(checked)) return refuse("the index is damaged: its checksum differs");
+  if (checksum.fixed(4) != section_checksum(checked)) return refuse("the checksum of its index differs");
 
   constexpr std::uint64_t kNumberMax = 0xffffffffu;
   ByteReader reader(checked.subspan(kHeadBytes));
   PackedIndex index;
   index.file_bytes_ = *needed;
   const std::uint64_t count = reader.number(kIndexBytesMax);
-  if (count > reader.left() / kSectionBytesLeast) return refuse("the index has fewer sections than its count says");
+  if (count > reader.left() / kSectionBytesLeast) return refuse("its index has fewer sections than it says");
   for (std::uint64_t i = 0; i < count; ++i) {
     PackedSection section;
     section.kind = static_cast<std::uint32_t>(reader.number(kNumberMax));
@@ -69,7 +69,7 @@ std::optional<PackedIndex> PackedIndex::read(std::span<const std::uint8_t> begin
     index.file_bytes_ += section.length;
     index.sections_.push_back(section);
   }
-  if (reader.failed() || reader.left() > 0) return refuse("the index is longer or shorter than its sections");
+  if (reader.failed() || reader.left() > 0) return refuse("its index is longer or shorter than its sections");
   return index;
 }
 

@@ -100,17 +100,17 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   if (format.width < 1 || format.height < 1) return refuse("a texture's sides are not 1 to 16384 texels");
   const std::size_t dimensions = reader.byte(), levels = reader.byte();
   if (dimensions < 1 || dimensions > ParameterPyramid::kDimensionsMax)
-    return refuse("the block has no dimension, or more than 8");
+    return refuse("the block has 0 dimensions, or more than 8");
   std::size_t samples = 1;
   for (std::size_t d = 0; d < dimensions; ++d) {
     format.sizes.push_back(reader.number(ParameterPyramid::kSamplesMax));
     if (format.sizes.back() < 1 || (samples *= format.sizes.back()) > ParameterPyramid::kSamplesMax)
-      return refuse("the block has no sample, or more than 65536");
+      return refuse("the block has 0 samples, or more than 65536");
   }
   if (samples * levels << (format.linear ? dimensions : 0) > TextureChunkFormat::kTermsMax)
-    return refuse("the samples are sums of more than 2^22 images together");
+    return refuse("the samples are together sums of more than 2^22 images");
   if (levels < 1 || levels > TextureChunkFormat::kBasisMax)
-    return refuse("the chunk has no image, or more than 64 levels");
+    return refuse("the chunk has 0 images, or more than 64 levels");
   for (std::size_t l = 0; l < levels; ++l) {
     if ((kind & 4) != 0) {
       const auto weights = reader.bytes(samples);
@@ -121,7 +121,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
     }
     format.level_codes.push_back(reader.byte());
   }
-  if (reader.failed()) return refuse("the chunk ends within its head");
+  if (reader.failed()) return refuse("the chunk ends within its header");
   std::size_t images = levels;
   if ((kind & 4) == 0) {
     const auto pyramid = ParameterPyramid::of(format.sizes, format.levels);
@@ -132,12 +132,12 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
     return refuse("the images have more than 2^28 texels together");
   if (format.coder == ImageCoder::kDct) {
     format.side = reader.byte();
-    if (!is_dct_side(format.side)) return refuse("the side of blocks is not 8, 16 or 32 texels");
+    if (!is_dct_side(format.side)) return refuse("the block size is not 8, 16 or 32 texels");
   }
   for (auto& part : format.rotation) part = reader.int16();
   for (auto& offset : format.offsets) offset = reader.int16();
   for (std::size_t i = format.step_code_count(); i > 0; --i) format.step_codes.push_back(reader.byte());
-  if (reader.failed()) return refuse("the chunk ends within its head");
+  if (reader.failed()) return refuse("the chunk ends within its header");
   return format;
 }
 

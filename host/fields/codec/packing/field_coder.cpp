@@ -44,7 +44,7 @@ FieldCoder::FieldCoder(const FieldSource& source, const std::vector<std::uint8_t
     most = std::max(most, chunk.texture_bytes() + bytes_of(chunk, settings.open_loop));
   }
   if (most > settings.memory_bytes)
-    throw Error(ErrorCode::kUsage, fmt::format("coding the largest chunk takes {} MiB, but only {} MiB are available; "
+    throw Error(ErrorCode::kUsage, fmt::format("coding the largest chunk needs {} MiB, but only {} MiB are available; "
                                                "allow more memory, or make blocks smaller",
                                                (most >> 20) + 1, settings.memory_bytes >> 20));
   keeps_textures_ = textures + most <= settings.memory_bytes;

@@ -93,7 +93,7 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   if (!settings.output.ends_with(".mpt"))
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("{}: is not a name for a packed field, expected a name that ends in .mpt", settings.output));
+        fmt::format("{}: is not a valid name for a packed field, expected a name that ends in .mpt", settings.output));
   check_paths_differ({settings.folder + "/" + kInferredManifestName}, {settings.output});
   check_writable(settings.output);
   progress_start(progress, 0);

@@ -77,9 +77,10 @@ SearchResult search(const SearchGoal& goal, double lambda, FieldCoder& coder) {
 FieldRound found_by_error(double mse, double lambda, FieldCoder& coder) {
   SearchResult found = search({mse, true}, lambda, coder);
   if (!found.is_met)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("an error of {:g} cannot be met: the least error found is {:.4g}; use a larger --mse-max",
-                            mse, found.round.mse));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("an error of {:g} cannot be reached: the lowest error found is {:.4g}; use a larger --mse-max", mse,
+                    found.round.mse));
   return std::move(found.round);
 }
 
@@ -90,11 +91,11 @@ FieldRound found_by_bytes(double bytes, std::optional<double> ratio, double raw_
   if (found.is_met) return std::move(found.round);
   const auto least = static_cast<double>(found.round.file.size());
   if (ratio)
-    throw Error(ErrorCode::kUsage, fmt::format("a ratio of {:g} ({:.0f} bytes) cannot be met: the smallest file found "
-                                               "has {:.0f} bytes; use --ratio {:.0f} or less, or --mse-max",
+    throw Error(ErrorCode::kUsage, fmt::format("a ratio of {:g} ({:.0f} bytes) cannot be reached: the smallest file "
+                                               "found has {:.0f} bytes; use --ratio {:.0f} or less, or --mse-max",
                                                *ratio, bytes, least, std::max(1.0, std::floor(raw_bytes / least))));
-  throw Error(ErrorCode::kUsage, fmt::format("{:.0f} bytes cannot be met: the smallest file found has {:.0f} bytes; "
-                                             "use --bytes {:.0f} or more, or --mse-max",
+  throw Error(ErrorCode::kUsage, fmt::format("{:.0f} bytes cannot be reached: the smallest file found has {:.0f} "
+                                             "bytes; use --bytes {:.0f} or more, or --mse-max",
                                              bytes, least, least));
 }
 

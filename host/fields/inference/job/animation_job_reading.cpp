@@ -113,7 +113,7 @@ void read_layers(const StrictTable& job_table, AnimationJob& job) {
     for (const std::string& pass : layer.passes)
       if (!passes.insert(pass).second)
         table.refuse("passes",
-                     fmt::format("names \"{}\" twice; layers are added, so this pass would count twice", pass));
+                     fmt::format("names \"{}\" twice; layers are added, so this pass would be added twice", pass));
     layer.depends_on = table.texts("depends_on", true);
     for (const std::string& name : layer.depends_on) check_known(table, "depends_on", name, parameters, "parameter");
     if (std::set<std::string>(layer.depends_on.begin(), layer.depends_on.end()).size() != layer.depends_on.size())
@@ -216,7 +216,7 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
 }  // namespace
 
 std::vector<std::string> animation_job_files(const std::string& path) {
-  const toml::table root = parse_toml(path, "a job as docs/reference/animation_jobs.md describes it", kTomlLimits);
+  const toml::table root = parse_toml(path, "a job as described in docs/reference/animation_jobs.md", kTomlLimits);
   std::vector<std::string> files;
   std::set<std::string> known;
   const auto add = [&](const toml::table& table, const char* key) {
@@ -235,7 +235,7 @@ std::vector<std::string> animation_job_files(const std::string& path) {
 }
 
 AnimationJob read_animation_job(const std::string& path) {
-  const toml::table root = parse_toml(path, "a job as docs/reference/animation_jobs.md describes it", kTomlLimits);
+  const toml::table root = parse_toml(path, "a job as described in docs/reference/animation_jobs.md", kTomlLimits);
   AnimationJob job;
   job.path = path;
   const StrictTable table(job.path, root, "", kJobKeys);

@@ -55,14 +55,14 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       "# A job of multum's texture inference; docs/reference/animation_jobs.md describes every key. Paths are relative "
       "to this file.\n\n"
       "geometry = {}  # scene file: OBJ, glTF, GLB\n"
-      "uv_set = {}  # of texture coordinates; 0 is TEXCOORD_0\n"
-      "width = {}  # of the pictures, pixels\n"
+      "uv_set = {}  # texture coordinate set; 0 is TEXCOORD_0\n"
+      "width = {}  # of the pictures, in pixels\n"
       "height = {}\n"
-      "cryptomatte = {}  # prefix of its channels\n"
-      "depth = {}  # channel: distance along -z of camera space at the pixel's centre; empty: none\n"
-      "depth_tolerance = {}  # relative; cameras whose depths differ by more are refused\n"
+      "cryptomatte = {}  # prefix of the Cryptomatte channels\n"
+      "depth = {}  # channel with the distance along -z of camera space at the pixel centre; empty: no depth\n"
+      "depth_tolerance = {}  # largest relative difference of depths; other cameras are refused\n"
       "supersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\n"
-      "radiance_max = {}  # brighter values are clipped to it and counted\n"
+      "radiance_max = {}  # brighter values are clipped to this value and counted\n"
       "coverage_min = {}  # pixels with less coverage by an object are left out\n",
       quoted(relative_path(job.geometry_file, folder)), job.uv_set, job.width, job.height, quoted(job.cryptomatte),
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
@@ -76,9 +76,9 @@ std::string texture_text(const AnimationTexture& t, const AnimationTexture& defa
     text += fmt::format("{} = {}{}{}\n", key, value, with_comments ? "  # " : "", with_comments ? comment : "");
   };
   line("wrap", quoted(t.wrap), t.wrap == defaults.wrap, "\"clamp\" or \"periodic\"");
-  line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "largest size of a texel in pixels");
+  line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "largest size of a texel, in pixels");
   line("resolution_scale", t.resolution_scale, t.resolution_scale == defaults.resolution_scale,
-       "of each side, up to 8, after the stretch limit");
+       "factor of each side, up to 8, applied after the stretch limit");
   line("power_of_two", t.power_of_two, t.power_of_two == defaults.power_of_two, "rounds each side up");
   line("side_max", t.side_max, t.side_max == defaults.side_max, "texels, 1 to 16384");
   line("anisotropy", t.anisotropy, t.anisotropy == defaults.anisotropy, "1 to 16, of the sampler");
@@ -92,24 +92,25 @@ std::string parameters_text(const AnimationJob& job) {
   std::string text = "\n# The dimensions of the parameter space.\n";
   for (const AnimationParameter& parameter : job.parameters)
     text += fmt::format(
-        "[[parameter]]\nname = {}\ncount = {}  # samples along it\nview = {}  # moves the camera\n"
-        "block = {}  # neighbouring samples that share texture coordinates, if it moves anything; 0: all\n\n",
+        "[[parameter]]\nname = {}\ncount = {}  # number of samples\nview = {}  # moves the camera\n"
+        "block = {}  # number of neighbouring samples that share texture coordinates, if anything moves; 0: all\n\n",
         quoted(parameter.name), parameter.count, parameter.is_view, parameter.block);
   return text;
 }
 
 std::string layers_text(const AnimationJob& job) {
-  std::string text = "# Parts of the radiance with textures of their own; a layer's passes are added.\n";
+  std::string text = "# Parts of the radiance that have their own textures; the passes of a layer are added.\n";
   for (const AnimationLayer& layer : job.layers)
     text += fmt::format(
-        "[[layer]]\nname = {}\npasses = {}  # of channels PASS.R PASS.G PASS.B; \"\": R G B\n"
+        "[[layer]]\nname = {}\npasses = {}  # PASS reads channels PASS.R PASS.G PASS.B; \"\" reads R G B\n"
         "depends_on = {}  # one texture serves all samples along other parameters\n\n",
         quoted(layer.name), list(layer.passes), list(layer.depends_on));
   return text;
 }
 
 std::string objects_text(const AnimationJob& job) {
-  std::string text = "# Objects that get textures. No layers: all layers. [object.texture] changes [texture].\n";
+  std::string text =
+      "# Objects that get textures. Without layers, an object has all layers. [object.texture] overrides [texture].\n";
   for (const AnimationObject& object : job.objects) {
     text += fmt::format("[[object]]\nname = {}\nmesh = {}\ncryptomatte = {}\nindex = {}\nlayers = {}\n",
                         quoted(object.name), quoted(object.mesh), quoted(object.cryptomatte), object.index,
@@ -122,7 +123,7 @@ std::string objects_text(const AnimationJob& job) {
 }
 
 std::string cameras_text(const AnimationJob& job) {
-  std::string text = "# Rows are for column vectors. Cameras look along -z; clip space is OpenGL's.\n";
+  std::string text = "# Rows are for column vectors. Cameras look along -z; clip space is as in OpenGL.\n";
   for (const AnimationCamera& camera : job.cameras)
     text += fmt::format("[[camera]]\nname = {}\nworld_to_camera = {}\nprojection = {}\n\n", quoted(camera.name),
                         matrix_text(camera.world_to_camera), matrix_text(camera.projection));
@@ -146,9 +147,10 @@ std::string sample_text(const AnimationJob& job, const AnimationSample& sample, 
 
 std::string animation_job_text(const AnimationJob& job, const std::string& folder) {
   std::string text = settings_text(job, folder);
-  text += "\n# Texture settings of all objects without their own.\n[texture]\n" + texture_text({}, {}, true);
+  text +=
+      "\n# Texture settings of all objects that have no [object.texture].\n[texture]\n" + texture_text({}, {}, true);
   text += parameters_text(job) + layers_text(job) + objects_text(job) + cameras_text(job);
-  text += "# One for each point of the grid of parameters; at: the index along each.\n";
+  text += "# One sample for each point of the parameter grid; at: its index along each parameter.\n";
   for (const AnimationSample& sample : job.samples) text += sample_text(job, sample, folder);
   return text;
 }

@@ -122,7 +122,7 @@ std::vector<double> figures_from(const Json& json, std::size_t count) {
   for (const Json& one : json)
     figures.push_back(one.is_null() ? std::numeric_limits<double>::quiet_NaN() : one.get<double>());
   if (!json.is_array() || figures.size() != count)
-    refuse(fmt::format("has {} figures of a texture's samples, expected {}", figures.size(), count));
+    refuse(fmt::format("has {} values for the samples of a texture, expected {}", figures.size(), count));
   return figures;
 }
 
@@ -198,7 +198,7 @@ class RecordReader {
       const PointName name = {size_from(json.at("layer")), size_from(json.at("point")), size_from(json.at("object"))};
       const auto wanted = work_.textures.find(name);
       if (wanted == work_.textures.end() || !found.insert(name).second)
-        refuse("has a texture twice, or a texture of another share");
+        refuse("lists a texture twice, or a texture of another share");
       result.textures.push_back(texture_from(json, name, wanted->second, settings_, field_.job()));
       check_file(result.textures.back().file, json.at("sha256").get<std::string>(), share);
     }

@@ -222,7 +222,7 @@ void TextureSystem::add_views(const std::vector<InferenceView>& views) {
   }
   if (rows_.row_count() == 0)
     throw Error(ErrorCode::kInput,
-                fmt::format("object '{}': it has no usable pixel in {} views, so its texture cannot be inferred",
+                fmt::format("object '{}' has no usable pixel in {} views, so its texture cannot be inferred",
                             first.provenance.object, views.size()));
 }
 

@@ -93,7 +93,7 @@ class RadianceReader {
 
   const unsigned char* take(std::size_t count) {
     if (count > bytes_.size() - position_)
-      refuse_file(path_, fmt::format("the file is cut: it ends at byte {}", bytes_.size()));
+      refuse_file(path_, fmt::format("the file is cut short: it ends at byte {}", bytes_.size()));
     const auto* data = reinterpret_cast<const unsigned char*>(bytes_.data()) + position_;
     position_ += count;
     return data;

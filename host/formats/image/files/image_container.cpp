@@ -97,7 +97,7 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     const std::string type = file.bytes(position + 4, 4, "a PNG chunk");
     const std::int64_t end = position + 12 + length;
     if (end > file.size())
-      refuse_file(path, fmt::format("the file is cut: it ends at byte {}, expected {} at the end of a PNG chunk",
+      refuse_file(path, fmt::format("the file is cut short: it ends at byte {}, expected {} at the end of a PNG chunk",
                                     file.size(), end));
     if (position == 8) {
       if (type != "IHDR" || length != 13) refuse_file(path, "damaged PNG: the first chunk is not a header");
@@ -164,7 +164,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
   // marker.
   const std::int64_t tail_size = std::min<std::int64_t>(file.size(), 65536);
   if (file.bytes(file.size() - tail_size, tail_size, "the end").find("\xFF\xD9") == std::string::npos)
-    refuse_file(path, "the file is cut: no JPEG end marker");
+    refuse_file(path, "the file is cut short: no JPEG end marker");
 }
 
 // Chunks [type 4][length 4][data], padded to an even number of bytes, after VP8X.
@@ -183,7 +183,7 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
-    refuse_file(path, fmt::format("the file is cut: {} bytes, expected {} by its WebP header", file.size(), end));
+    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} by its WebP header", file.size(), end));
   const std::string chunk = file.bytes(12, 4, "a WebP chunk");
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");
@@ -229,10 +229,9 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   container.width = parts.front().width;
   container.height = parts.front().height;
   if (!parts.front().subsampled.empty())
-    refuse_file(path,
-                fmt::format("found channel {} with fewer samples than texels, as in brightness with differences of "
-                            "colour (Y, RY, BY); expected red, green and blue in every texel: convert it to RGB first",
-                            parts.front().subsampled));
+    refuse_file(path, fmt::format("found channel {} with fewer samples than texels, as in luminance/chroma images (Y, "
+                                  "RY, BY); expected red, green and blue in every texel: convert it to RGB first",
+                                  parts.front().subsampled));
   if (parts.size() > 1)
     container.notes.push_back(fmt::format("the file has {} parts; only the first is read", parts.size()));
   keep(container, 0, file.size());
@@ -324,7 +323,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
     if (have_unit(file, tiff.colour_map, is_big_endian, 256)) container.byte_words.push_back(tiff.colour_map);
     else if (!have_unit(file, tiff.colour_map, is_big_endian, 257))
       container.notes.emplace_back(
-          "its palette has colours of 16 bits, of which only the upper 8 are read: the error is up to 1 of 255");
+          "its palette has 16-bit colours, but only the upper 8 bits are read: the error is up to 1/255");
   }
   add_orientation(container, tiff.orientation);
   if (tiff.page_count > 1)
@@ -356,7 +355,7 @@ std::string other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";
   if (head.starts_with("DDS "sv))
-    return fmt::format("a DDS texture for GPUs, {}: give the map from which it was made", kExpected);
+    return fmt::format("a DDS texture for GPUs, {}: give the map that it was made from", kExpected);
   if (head.starts_with("glTF"sv))
     return fmt::format("a glTF model, {}. 'multum gltf' converts a model, 'multum materials' lists its maps",
                        kExpected);

@@ -82,10 +82,10 @@ Ktx2Survey survey_ktx2(const std::string& path, ByteFile& file) {
     refuse_file(path,
                 fmt::format("damaged KTX2: level 0 has {} bytes, expected {}", survey.stored_bytes, survey.bytes));
   if (survey.begin < 0 || survey.begin > file.size() || survey.stored_bytes > file.size() - survey.begin)
-    refuse_file(path,
-                fmt::format("the file is cut: it ends at byte {}, expected level 0 of a KTX2 texture, {} bytes at "
-                            "byte {}",
-                            file.size(), survey.stored_bytes, survey.begin));
+    refuse_file(
+        path, fmt::format("the file is cut short: it ends at byte {}, expected level 0 of a KTX2 texture, {} bytes at "
+                          "byte {}",
+                          file.size(), survey.stored_bytes, survey.begin));
   return survey;
 }
 

@@ -194,12 +194,12 @@ std::string summary(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z)
     return fmt::format(
-        "x^2 + y^2 <= 1 on {:.1f} %, mean (x, y) ({:+.2f}, {:+.2f}), mean rebuilt z {:.2f}, gradient agreement "
-        "{:+.2f}",
+        "x^2 + y^2 <= 1 in {:.1f} % of the texels, mean (x, y) ({:+.2f}, {:+.2f}), mean rebuilt z {:.2f}, gradient "
+        "agreement {:+.2f}",
         100.0 * (1.0 - s.beyond_share), s.mean_x, s.mean_y, s.rebuilt_z_mean, s.gradient_agreement);
   return fmt::format(
-      "length within 10 % of 1 on {:.1f} %, mean vector ({:+.2f}, {:+.2f}, {:+.2f}), {:.1f} % below the horizon, "
-      "gradient agreement {:+.2f}",
+      "length within 10 % of 1 in {:.1f} % of the texels, mean vector ({:+.2f}, {:+.2f}, {:+.2f}), {:.1f} % below the "
+      "horizon, gradient agreement {:+.2f}",
       100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
 }
 
@@ -223,7 +223,7 @@ std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
 std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   if (s.below_share > 0.05) {
     const char* object_space = s.unit_share_10 >= 0.9 ? ", as in an object-space normal map" : "";
-    return fmt::format("{:.1f} % of texels point below the surface{}", 100.0 * s.below_share, object_space);
+    return fmt::format("{:.1f} % of the normals point below the surface{}", 100.0 * s.below_share, object_space);
   }
   const double agreement = std::abs(s.gradient_agreement);
   if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
@@ -231,8 +231,8 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
   if (s.length_mean < 0.4)
     return fmt::format(
-        "vectors have a mean length of {:.3g}, expected 1, and neither one length nor clearly the slopes of a surface "
-        "(scale them to unit length)",
+        "vectors have a mean length of {:.3g}, expected 1; their lengths differ, and they are not clearly the slopes "
+        "of a surface (scale them to unit length)",
         s.length_mean);
   if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
@@ -299,11 +299,9 @@ BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
 
 std::string blue_doubt_text(const VectorStatistics& s) {
   return fmt::format(
-      "blue does not follow red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
-      "{:.0f} % "
-      "of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, smoothness "
-      "or "
-      "height",
+      "blue does not depend on red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
+      "{:.0f} % of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, "
+      "smoothness or height",
       100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
 }
 
@@ -445,11 +443,11 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
   if (!settings.green && !found) {
     // If nothing is tilted, green is 0 in both cases.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back("the statistics do not tell the direction of green; assuming up (OpenGL)" +
+      warnings.emplace_back("the statistics do not show the direction of green; assuming up (OpenGL)" +
                             advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
-        fmt::format("green was set to {}, but red and green are the slopes of a surface whose green points {} "
+        fmt::format("green was set to {}, but red and green are the slopes of a surface only if green points {} "
                     "(gradient agreement {:+.2f}){}",
                     green_name(*settings.green), green_name(*found), s.gradient_agreement,
                     advice(fmt::format(": remove the setting or use <green {}> unless you are sure",
@@ -469,8 +467,8 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(
-      fmt::format("green is read as {}, as in the first tile of its set that decides, but this tile is the slopes of a "
-                  "surface whose green points {}{}",
+      fmt::format("green is read as {}, because of the first tile of its set that shows a direction, but the slopes in "
+                  "this tile show that green points {}{}",
                   green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 

@@ -114,7 +114,7 @@ void AtomicFile::commit() {
                     ": its temporary file was removed or replaced during writing; expected a folder where no other "
                     "program renames files");
   if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
-    fail_by_errno(path_, "cannot be given its final name");
+    fail_by_errno(path_, "cannot be renamed to its final name");
   committed_ = true;
   // A folder that may not be listed cannot be opened for syncing.
   const OpenFile synced(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));

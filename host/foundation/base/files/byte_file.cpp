@@ -46,8 +46,8 @@ std::string ByteFile::bytes(std::int64_t position, std::int64_t count, const cha
 
 void ByteFile::check_range(std::int64_t position, std::int64_t count, const char* what) const {
   if (position < 0 || count < 0 || position > size_ - count)
-    refuse_file(path_,
-                fmt::format("the file is cut: it ends at byte {}, expected {} at byte {}", size_, what, position));
+    refuse_file(
+        path_, fmt::format("the file is cut short: it ends at byte {}, expected {} at byte {}", size_, what, position));
 }
 
 void ByteFile::read(std::int64_t position, std::int64_t count, void* memory, const char* what) const {

@@ -70,7 +70,7 @@ bool holds_nul(std::string_view json) {
 }
 
 void refuse_nul(std::string_view json, const std::string& path) {
-  if (holds_nul(json)) refuse_file(path, "its JSON holds the character NUL (\\u0000), which no text may contain");
+  if (holds_nul(json)) refuse_file(path, "its JSON holds the character NUL (\\u0000), which no string may contain");
 }
 
 std::int64_t json_integer_of(const nlohmann::json& value, const std::string& what, std::int64_t low,

@@ -217,7 +217,7 @@ bool remove_entry(const OpenFile& folder, const std::string& name) {
 std::string random_digits() {
   std::uint64_t bits = 0;
   if (::getrandom(&bits, sizeof(bits), 0) != static_cast<ssize_t>(sizeof(bits)))
-    fail_by_errno("getrandom", "the system gives no random numbers");
+    fail_by_errno("getrandom", "the system provides no random numbers");
   return fmt::format("{:016x}", bits);
 }
 

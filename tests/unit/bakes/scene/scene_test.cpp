@@ -513,11 +513,11 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     EXPECT_EQ(json["bytes_range"], (std::vector<double>{found.cost_min.bytes, found.cost_max.bytes}));
     EXPECT_LT(found.cost_min.bytes, found.cost.bytes);
     EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
-    expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes, to be chosen by trials"});
+    expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes (trials choose the number)"});
     // The stated time excludes trials: both places say how many trials there may be and how long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"and the trials (up to 24 per map, some seconds in total)"});
+      expect_says(part, {"and the trials (up to 24 per map, a few seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target))
         << "the chosen settings need not have a lower error than the target";
   }

@@ -99,11 +99,11 @@ TEST(JobFields, AreRefusedAsEver) {
   EXPECT_EQ(with("colour", 1),
             "unknown key \"colour\" of the job, expected one of type, parameters, output, queue, label, priority, "
             "needs, attempt_max, deadline_s, memory_bytes, device, again");
-  EXPECT_EQ(with("type", 1), "type is 1, expected a text");
+  EXPECT_EQ(with("type", 1), "type is 1, expected a string");
   EXPECT_EQ(with("output", 1), "output is 1, expected a path");
   EXPECT_EQ(with("queue", "a\n"), "queue is \"a\\n\", expected the name of a queue");
   EXPECT_EQ(with("queue", "day"), "queue is \"day\", expected one of default");
-  EXPECT_EQ(with("label", 1), "label is 1, expected a text of up to 1000 characters");
+  EXPECT_EQ(with("label", 1), "label is 1, expected a string of up to 1000 characters");
   EXPECT_EQ(with("priority", 1001), "priority is 1001, expected an integer from -1000 to 1000");
   EXPECT_EQ(with("needs", {0}), "needs is [0], expected a list of up to 1000 job numbers");
   EXPECT_EQ(with("attempt_max", 0), "attempt_max is 0, expected an integer from 1 to 100");

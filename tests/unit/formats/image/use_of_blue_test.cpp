@@ -139,7 +139,7 @@ TEST_F(UseOfBlue, WhoSaysThatItIsZIsObeyed) {
   write_test_image(folder_ / "a.png", image_of(tilted_normals(20.0), occlusion(0.8)));
   EXPECT_EQ(refusal(folder_ / "a.png", {.z_range = ZRange::kSigned}), "");
   const NormalMap map = read_map(folder_ / "a.png", {.bump_format = BumpFormat::kNormal});
-  EXPECT_TRUE(contains(all_warnings(map), "blue does not follow")) << all_warnings(map);
+  EXPECT_TRUE(contains(all_warnings(map), "blue does not depend")) << all_warnings(map);
 }
 
 // Averaged normals are short where they differ, and lossy files change lengths; blue is still z.
@@ -185,7 +185,7 @@ TEST_F(UseOfBlue, WithoutAdviceAWarningIsTheSameForAllCommands) {
   EXPECT_TRUE(contains(with_advice(of_keys), "green = \"up\"")) << of_keys;
   EXPECT_NE(with_advice(of_options), with_advice(of_keys));
   EXPECT_EQ(without_advice(of_options), without_advice(of_keys));
-  EXPECT_TRUE(contains(without_advice(of_keys), "blue does not follow")) << of_keys;
+  EXPECT_TRUE(contains(without_advice(of_keys), "blue does not depend")) << of_keys;
 }
 
 // Painters and bakers leave floats outside of charts at 0 or NaN.
@@ -204,7 +204,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
       const NormalMap map = read_map(folder_ / "a.exr");
       EXPECT_EQ(map.report.unused_texels, kSide * kSide / 4);
       EXPECT_EQ(map.report.nonfinite_repaired + map.report.zero_length_repaired, 0);
-      EXPECT_TRUE(contains(map.report.encoding_reason, "length within 10 % of 1 on 100.0 %"))
+      EXPECT_TRUE(contains(map.report.encoding_reason, "length within 10 % of 1 in 100.0 %"))
           << map.report.encoding_reason;
       EXPECT_TRUE(contains(all_warnings(map), "never written")) << all_warnings(map);
       EXPECT_EQ(map.x[5], 0.0f);
