@@ -208,14 +208,18 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
     colours += "\n";
   }
   return fmt::format(
-             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Times cover one fit, including its start, on {} cores: the shortest of {} fits. One fit per row compiled the kernels before the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
+             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Times cover one fit, "
+             "including its start, on {} cores: the shortest of {} fits. One fit per row compiled the kernels before "
+             "the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
              core_count(), kTimedRounds) +
          summary +
          fmt::format(
-             "\nThe next table repeats the errors for other random seeds of the noise quarter, to show how much the errors depend on chance. Level 7 has only {0} x {0} texels.\n\n",
+             "\nThe next table repeats the errors for other random seeds of the noise quarter, to show how much the "
+             "errors depend on chance. Level 7 has only {0} x {0} texels.\n\n",
              std::max(options.size >> 7, 1)) +
          seeds +
-         "\nThe next table lists errors with lobe colours at texel centres of levels 3 / 5 / 7. The reference uses the colour of each normal.\n\n" +
+         "\nThe next table lists errors with lobe colours at texel centres of levels 3 / 5 / 7. The reference uses the "
+         "colour of each normal.\n\n" +
          colours + tables;
 }
 
@@ -256,8 +260,13 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
     }
   }
   return fmt::format(
-             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the results are mixed. *Midway* is the higher of the errors midway in x and in y. The table lists the error after this mixing. Renderers also narrow the normal map's lobe to the part that a pixel sees "
-             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes are in MB, in the file and on the GPU. BC5 normals and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
+             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser "
+             "levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean "
+             "vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the "
+             "results are mixed. *Midway* is the higher of the errors midway in x and in y. The table lists the error "
+             "after this mixing. Renderers also narrow the normal map's lobe to the part that a pixel sees "
+             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes are in "
+             "MB, in the file and on the GPU. BC5 normals and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
          "file, MB | GPU, MB | GPU size / (BC5 + BC4) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
@@ -365,8 +374,15 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   MapErrors errors;
   for (const std::string& path : paths) add_map(device, path, options, tables, errors);
   std::string text =
-      "The tables cover every file of the test folder that `multum bake` reads as a normal map. They list errors at the centres of all texels of every level. Each cell contains two errors in %. The first is the error of multum's lobes; the second is the lowest error among Toksvig, LEAN and LEAN with its Jacobian. The first error is bold if it exceeds the second by more than 0.05 points. All methods store normals in 16 bits, and moments as floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
-      "### By channels\n\nThe table lists medians over all maps and their levels from 1 on. Brackets contain the first and third quartile. Each combination of map and level counts once. A lobe needs four channels. An averaged normal needs three channels, also for Toksvig, because the length of the normal shows how much the normals vary. LEAN needs five channels.\n\n" +
+      "The tables cover every file of the test folder that `multum bake` reads as a normal map. They list errors at "
+      "the centres of all texels of every level. Each cell contains two errors in %. The first is the error of "
+      "multum's lobes; the second is the lowest error among Toksvig, LEAN and LEAN with its Jacobian. The first error "
+      "is bold if it exceeds the second by more than 0.05 points. All methods store normals in 16 bits, and moments as "
+      "floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
+      "### By channels\n\nThe table lists medians over all maps and their levels from 1 on. Brackets contain the first "
+      "and third quartile. Each combination of map and level counts once. A lobe needs four channels. An averaged "
+      "normal needs three channels, also for Toksvig, because the length of the normal shows how much the normals "
+      "vary. LEAN needs five channels.\n\n" +
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
@@ -419,9 +435,12 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
       std::string(
-          "The rows are the settings that `multum tradeoff` measures. Each BRDF column lists the pixel error (relative L1 error in %) and half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured error\"). Pixels use the default filter of that commit: ") +
+          "The rows are the settings that `multum tradeoff` measures. Each BRDF column lists the pixel error (relative "
+          "L1 error in %) and half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured "
+          "error\"). Pixels use the default filter of that commit: ") +
       default_filter_text() +
-      ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The settings ran alternately, and their kernels were compiled before.\n" +
+      ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The "
+      "settings ran alternately, and their kernels were compiled before.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;
@@ -453,14 +472,18 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   const std::string made_by =
       fmt::format("Made at {} on {}, {}, device {}.\n\n", commit, processor_name(), system_name(), device.info().name);
   std::string text =
-      "# Accuracy\n\nThis page lists the errors of single texels for lobes, for other methods and for the shading formulas.\n\n"
+      "# Accuracy\n\nThis page lists the errors of single texels for lobes, for other methods and for the shading "
+      "formulas.\n\n"
       "Generated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`; `--section` regenerates one section. Do not "
       "edit.\n\n"
-      "Errors are relative L1 errors in %: sum |model - reference| / sum reference. The sums run over all texels of a level and 12 half vectors "
-      "(lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)). For Lambert, the sums run over the four lights.\n\n"
+      "Errors are relative L1 errors in %: sum |model - reference| / sum reference. The sums run over all texels of a "
+      "level and 12 half vectors "
+      "(lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)). For Lambert, the "
+      "sums run over the four lights.\n\n"
       "- BRDF: (s+1)/(2 pi) t^s. Only the convolution is measured, without the factor n . l.\n"
       "- Reference: the average over all finest normals that a texel covers, computed in double precision.\n"
-      "- Model: the stored lobes, filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 unless a row names another format.\n\n";
+      "- Model: the stored lobes, filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 "
+      "unless a row names another format.\n\n";
   const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
     const bool is_asked = options.sections.empty() ||
                           std::find(options.sections.begin(), options.sections.end(), name) != options.sections.end();
