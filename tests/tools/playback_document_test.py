@@ -268,8 +268,8 @@ class DocumentTest(unittest.TestCase):
         self.assertFalse(any(rows[f"memory, {size}"].get("mse", 0) < 0 for size in playing.MEMORIES))
         self.assertNotIn("browser", rows)
         page = (self.folder / "PLAYBACK.md").read_text()
-        for said in ("#### Seeks to random samples from a cold cache", "#### Frames per second", "#### Memory and quality",
-                     "`--block 4 --stagger yes`"):
+        for said in ("#### Seeks to random samples from a cold cache", "#### Frames per second",
+                     "#### Memory and quality", "`--block 4 --stagger yes`"):
             self.assertIn(said, page)
         self.assertNotIn("#### In the browser", page)
 
