@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What SIGTERM leaves of every command (docs/how-to/clusters.md, the table of that name): exit code 130 well within a
+"""What SIGTERM leaves of every command (docs/how-to/clusters.md, "Results after SIGTERM"): exit code 130 well within a
 farm's
 period of grace, nothing half-written, and the same command again makes what an undisturbed run made.
 
