@@ -243,7 +243,7 @@ class DocumentTest(unittest.TestCase):
             self.assertGreater(packed, added)
             self.assertLess(packed, 3 * (own + added))
             self.assertGreaterEqual(ratio, 8)
-        self.assertRegex(page, r"With `lamp` as one more parameter, packing at 8:1 adds \d")
+        self.assertRegex(page, r"Compared with the field without `lamp`, packing at 8:1 adds \d")
 
     def test_splits_that_are_none_are_refused(self):
         done = self.run_tool("--split", "field_small", "light=swing")

@@ -85,8 +85,8 @@ The simulated farm bakes {maps} maps. Baking one map takes {last['map_s']:g} s (
 within a factor of 1.65). The farm has {nodes} Slurm nodes, and each node runs one task at a time
 ([service](../reference/service.md), "Jobs for Slurm").
 
-- Measured: the ledger, its disk and its commits, and the code that groups jobs into chunks. Their real times enter the
-  simulation.
+- Measured: the ledger, its disk and its commits, and the code that groups jobs into chunks. The simulation uses the
+  measured times of these parts.
 - Assumed: Slurm and the nodes. A call of `sbatch` takes {1000 * last['sbatch_s']:.0f} ms, and a request to the server
   of the shared folder takes {1000 * last['file_s']:g} ms. 1 % of attempts fail, and 0.1 % of maps cannot be baked. Each
   node fails every 200 hours and is unavailable for 10 minutes. These numbers were not measured on a farm of this size.
@@ -100,8 +100,9 @@ percentages of the service's time.
 
 The run with all maps took {last['hours']:.1f} hours and {last['chunks']} tasks: {states}. In this run,
 {last['failed_attempts']} attempts and {last['node_failures']} nodes failed. For each map, the ledger spent {submit} on
-submitting, {claim} on claiming, {note} on recording the sent job, and {end} on recording the end. Elapsed times count
-as simulated time. Other programs also ran on the machine, so elapsed times include waits for the disk and for a core.
+submitting, {claim} on claiming, {note} on recording the sent job, and {end} on recording the end. The simulation counts
+elapsed times as simulated time. Other programs also ran on the machine, so elapsed times include waits for the disk and
+for a core.
 
 The next table lists the times of requests by the web page and the API, in milliseconds of the ledger's only thread. The
 ledger holds {maps} jobs; the first column shows how many of these jobs are done.

@@ -19,10 +19,10 @@ edit.
 licences; the repository does not contain the model files. `tests/three/bumpy_models.mjs` makes the surfaces.
 
 `multum gltf MODEL --lobes` converted each model ([gltf](../reference/gltf.md)). three.js's WebGLRenderer in Chromium
-(SwiftShader) drew it with {width} x {height} pixels and a field of view of {angle} degrees, under one directional light
-and three.js's RoomEnvironment. Every row is for one frame with {edges} samples per pixel for edges, and with the
-highest anisotropy that WebGL offers in this browser. Models without a meaningful size are scaled until half of their
-diagonal is 1.2 m long.
+(SwiftShader) drew each model with {width} x {height} pixels and a field of view of {angle} degrees, under one
+directional light and three.js's RoomEnvironment. Every row is for one frame with {edges} samples per pixel for edges,
+and with the highest anisotropy that WebGL offers in this browser. Models without a meaningful size are scaled until
+half of their diagonal is 1.2 m long.
 
 Numbers are relative L1 errors in %, in linear light: the sum over pixels and colours of |picture - reference|, divided
 by the sum of the reference. Brackets contain the energy: the sum of the picture, divided by the sum of the reference.

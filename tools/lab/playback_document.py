@@ -450,8 +450,8 @@ def dimensions_section(rows, name, leading):
     before, after = found[-2]["at"][-1], found[-1]["at"][-1]
     words = ""
     if after["beside"] and before["beside"]:
-        words = (f" With `{found[-1]['name'].split(', ')[-1]}` as one more parameter, packing at {after['ratio']:g}:1 "
-                 f"adds "
+        words = (f" Compared with the field without `{found[-1]['name'].split(', ')[-1]}`, packing at "
+                 f"{after['ratio']:g}:1 adds "
                  f"{after['beside'] / before['beside']:.2f} times as much error, and the error of {spoken(leading)} is "
                  f"{after['video'] / before['video']:.2f} times as high.")
     return ["### Cost of another parameter",

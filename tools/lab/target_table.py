@@ -115,7 +115,7 @@ def document(arguments, rows, machine):
                    "; the bake fails on the other maps and prints the best error that it reached")
         text += (f"- {100 * target:g} %: reached on {met} of {len(own)} maps "
                  f"({100 * met / max(1, len(own)):.0f} %){left}"
-                 f"{refused}. Chosen: "
+                 f"{refused}. Chosen settings, with the number of maps in brackets: "
                  + ", ".join(f"{kind} ({count})" for kind, count in sorted(kinds.items(), key=lambda k: -k[1])) + ".\n")
     return text + "\n" + table(rows, arguments.targets) + "\n"
 

@@ -190,7 +190,7 @@ def changing_light(study):
                     "linear in the light. In each frame, they are therefore mixed from the values for both skies. The "
                     "column *new environment* lists the time for a completely new environment. Harmonics up to order "
                     "8 of the",
-                    "light over half vectors (Han's highlights) are computed anew in every frame in any case.")
+                    "light over half vectors (Han's highlights) are recomputed in every frame.")
     light, dusk = study.path("sky512.exr"), study.path("dusk512.exr")
     write_sky(light, 512)
     sky = read_picture(light)

@@ -189,9 +189,10 @@ std::string default_text(const Json& result, const Figures& errors) {
   const auto describe = [&](int taps, bool shades_taps) {
     const std::string method = "4 lobes";
     const FilterKey key{taps, kLevelBiasDefault, shades_taps}, timed{taps, kTimedBias, shades_taps};
-    return fmt::format("the error is {} %, the flicker {} %, and the processor time {:.2f} times the time of one tap",
-                       percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
-                       median_of(times, timed, method));
+    return fmt::format(
+        "the error is {} %, the flicker is {} %, and the processor time is {:.2f} times the time of one tap",
+        percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
+        median_of(times, timed, method));
   };
   return fmt::format(
       "The **default** is {} taps at a bias of {:g}, averaged and shaded once, as by an anisotropic sampler. With 4 "
@@ -205,9 +206,9 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**At equal evaluations** of light per pixel, with {} taps per evaluation (`multum-view --evaluations`): lobes "
-      "follow "
-      "multum's rule, and other methods are shaded at as many points per pixel. The table lists errors in %, for each "
+      "**At equal evaluations** of light per pixel, each evaluation uses {} taps (`multum-view --evaluations`). Lobes "
+      "follow multum's rule, and other methods are shaded at as many points per pixel. The table lists errors in %, "
+      "for each "
       "method at its best bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
@@ -248,18 +249,17 @@ ResultView view_filters(const Json& result) {
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
-      fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels, Blinn-Phong with s = "
-          "100, and {} "
-          "maps ({}). Flicker is measured on pictures of half the size. Every method uses the same filter "
-          "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest map and a box "
-          "filter; its "
-          "noise is at "
-          "most {} (blended reference: {}). *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
-          "f' and "
-          "their references t, t'. LEAN is drawn with its Jacobian.",
-          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
-          sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
+      fmt::format("The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s "
+                  "= 100). The {} "
+                  "maps are {}. Flicker is measured on pictures of half the size. Every method uses the same filter "
+                  "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest map and a "
+                  "box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
+                  "{}. *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
+                  "f' and "
+                  "their references t, t'. LEAN is drawn with its Jacobian.",
+                  result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(),
+                  map_names(result), sample_range(result), worst_noise(result, "noise"),
+                  worst_noise(result, "noise_blended")),
       tables};
 }
 

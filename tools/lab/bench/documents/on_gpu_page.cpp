@@ -200,7 +200,8 @@ std::string summary_text(const Json& result) {
     if (gpu.at("size") != cpu.at("size")) continue;
     const double a = gpu.at("kernels_ms").get<double>(), b = cpu.at("kernels_ms").get<double>();
     text += fmt::format(
-        "- EM of {0} x {0} texels: {1} ms on the GPU. On the processor, the same kernels take {3} ms on {2} cores, "
+        "- EM of {0} x {0} texels takes {1} ms on the GPU. On the processor, the same kernels take {3} ms on {2} "
+        "cores, "
         "{4} times as long.\n",
         gpu.at("size").get<int>(), rounded_text(a), result.at("cores").get<int>(), rounded_text(b),
         rounded_text(b / a));
@@ -218,7 +219,8 @@ std::string summary_text(const Json& result) {
     for (const Json& row : (*step)["result"].at("rows"))
       if (row.at("name") == "4 lobes")
         text += fmt::format(
-            "- A frame with four lobes at anisotropy {:.0f}: {} ms, {} times as long as a frame with averaged normals "
+            "- A frame with four lobes at anisotropy {:.0f} takes {} ms, {} times as long as a frame with averaged "
+            "normals "
             "and Toksvig's rule.\n",
             row.at("anisotropy").get<double>(), rounded_text(parse_spread(row.at("draw_ms")).median),
             rounded_text(parse_spread(row.at("ratio")).median));
