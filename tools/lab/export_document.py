@@ -66,8 +66,8 @@ The table covers {maps} maps from {folder}. On each map, {cells} texels of each 
 - Noise: the only noise of the reference comes from the random choice of lights. The standard error of the integral over
   one level of a map is {noise:.2f} % (median).
 - *Energy*: the light that the method reflects, divided by the light that the reference reflects.
-- Best single lobe: a Nelder-Mead search minimizes the errors of highlight and energy. The search uses different lights
-  from the table. The listed error is therefore an upper bound of the error of the best lobe.
+- Best single lobe: a Nelder-Mead search minimizes the errors of highlight and energy. The lights of the search differ
+  from the lights of the table. The listed error is therefore an upper bound of the error of the best lobe.
 
 A black picture has a relative L1 error of 100 %, so a higher error is worse than black. At base roughness 0.1, compare
 the energies, and the errors under wide lights, which are 20 degrees across. Brackets contain the errors under wide
@@ -94,8 +94,8 @@ FORMS = """
 - `one-lobe` (the default) stores a fitted normal and a fitted roughness.
 - `averages` stores averaged normals with the fitted roughness. Averaged normals keep their length, so texels are
   interpolated with the correct weights. Engines that rebuild z lose the length.
-- `auto` draws pictures and chooses for each level. It stores either the averaged or the fitted normal, and a fraction
-  of the roughness that the fit adds.
+- `auto` draws pictures and chooses the data of each level. For each level, `auto` stores either the averaged or the
+  fitted normal, and a fraction of the roughness that the fit adds.
 
 ```sh
 multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
@@ -109,9 +109,9 @@ The printed line names the view in which plain mips and one lobe differ most; th
 
 The pictures of `--form auto` show a plane from above, a tilted plane and a sphere, with 1 to 32 texels per pixel, under
 three lights and a room with lamps. The default form `one-lobe` is replaced only if three conditions hold. The other
-form lowers the mean error by at least a twentieth, and by at least 0.2 points. In no view is its error more than 0.1
-points higher. Maps without `--metalness` are drawn as a grey dielectric. For maps of 512 and 1024 texels per side,
-`--form auto` increases the processor time by 5 to 15 %.
+form lowers the mean error by at least a twentieth, and by at least 0.2 points. In every view, the error of the other
+form is at most 0.1 points higher than the error of one lobe. Maps without `--metalness` are drawn as a grey dielectric.
+For maps of 512 and 1024 texels per side, `--form auto` increases the processor time by 5 to 15 %.
 
 `--for` names the engine whose texture filter and shading the pictures imitate:
 
@@ -157,7 +157,8 @@ light per pixel. The last column lists the errors that `--form auto` predicted: 
 
 - `auto` chooses a form other than one lobe for 5 of 18 materials, and lowers the mean error of each of these materials.
   In 4 of the 30 views of these materials, the error of `auto` is more than 0.2 points higher than the error of one
-  lobe. On planes from above, the error of `auto` is up to 5.3 points higher. One lobe is therefore the default.
+  lobe. On planes from above, the error of `auto` is up to 5.3 points higher than the error of one lobe. One lobe is
+  therefore the default.
 - At one evaluation per pixel, the error of one lobe is at most 0.2 points above the error of plain mips in 83 of 108
   views. Most of the other views show tilted planes, on which one lobe makes highlights too wide.
 - If you can shade each pixel four times, do that first: for 17 of 18 materials, plain mips at four points have lower
@@ -175,8 +176,8 @@ format. Every export prints the names of engines that cannot load the exported f
 - Tried in Chromium: three.js 0.187, Babylon.js 9.35, PlayCanvas 2.23.3 and Filament 1.53.4. PlayCanvas and Filament
   load UASTC with all levels.
 - Tried outside a browser: Blender 3.4 and Godot 3.2. The statements about Unreal follow Unreal's documentation.
-- Babylon.js, PlayCanvas and Filament load only Basis Universal from KTX2. They can drop other textures of a model
-  without a message.
+- Babylon.js, PlayCanvas and Filament load only Basis Universal from KTX2. These three engines can drop other textures
+  of a model without a message.
 - Read in source code (October 2026): Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2, but only level
   0 if a side is not a power of two. Direct3D does not support block-compressed textures if a side is not a multiple of
   4. The export warns in both cases.
@@ -196,7 +197,7 @@ format. Every export prints the names of engines that cannot load the exported f
 - `--resume` continues an interrupted export after the last fitted row.
 - `--anisotropy` is only for renderers that turn tangents towards the normal of the normal map. The sample code of
   KHR_materials_anisotropy, three.js and Filament use the tangent and bitangent of the geometry, so their lobe follows
-  the geometric normal. This was read in their source code (October 2026).
+  the geometric normal. This behaviour was read in the source code of these programs (October 2026).
 - A direction of anisotropy and its opposite mean the same, but filtering needs the same sign in neighbouring texels.
   All directions of a map are therefore in one half plane. The border of this half plane is at the angle with the fewest
   axes.

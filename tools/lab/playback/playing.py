@@ -233,7 +233,7 @@ def seek_section(row, table):
             f"seek "
             f"takes {' and '.join(verdict)}. To obtain any texture of a block, the decoder must decode the "
             f"coefficients of all samples of the block. The textures of a block cover everything that is visible in "
-            f"any view of the block. These are several times as many texels as one frame needs."]
+            f"any view of the block. A block therefore contains several times as many texels as one frame needs."]
 
 
 def rate_section(found, table):

@@ -374,10 +374,11 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   MapErrors errors;
   for (const std::string& path : paths) add_map(device, path, options, tables, errors);
   std::string text =
-      "The tables cover every file of the test folder that `multum bake` reads as a normal map. They list errors at "
-      "the centres of all texels of every level. Each cell contains two errors in %. The first is the error of "
-      "multum's lobes; the second is the lowest error among Toksvig, LEAN and LEAN with its Jacobian. The first error "
-      "is bold if it exceeds the second by more than 0.05 points. All methods store normals in 16 bits, and moments as "
+      "The tables cover every file of the test folder that `multum bake` reads as a normal map. The tables list errors "
+      "at the centres of all texels of every level. Each cell contains two errors in %. The first error is the error "
+      "of multum's lobes. The second error is the lowest error among Toksvig, LEAN and LEAN with its Jacobian. The "
+      "first error is bold if it exceeds the second error by more than 0.05 points. All methods store normals in 16 "
+      "bits, and moments as "
       "floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
       "### By channels\n\nThe table lists medians over all maps and their levels from 1 on. Brackets contain the first "
       "and third quartile. Each combination of map and level counts once. A lobe needs four channels. An averaged "
@@ -440,7 +441,7 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
           "error\"). Pixels use the default filter of that commit: ") +
       default_filter_text() +
       ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The "
-      "settings ran alternately, and their kernels were compiled before.\n" +
+      "settings ran alternately, and all kernels were compiled before the timed runs.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;
