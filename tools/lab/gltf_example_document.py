@@ -59,7 +59,7 @@ The SHA-256 of {file} begins with {hash}.
 
 {bytes}
 
-`multum gltf` reports for each material:
+For each material, `multum gltf` reports the errors at one distance, and the stored form:
 
 {forms}
 """

@@ -33,8 +33,9 @@ def v_groove(study):
     study.bake("groove", source, "--green", "up")
     study.heading("Figure 1: a V-groove")
     study.paragraph("The groove consists of two slopes and a floor. In the near view, each of the three surfaces "
-                    "shows a separate highlight. In the far view, one pixel covers all three surfaces. Their average "
-                    "normal points straight up, although almost no normal of the map has this direction.")
+                    "shows a separate highlight. In the far view, one pixel covers all three surfaces. The average "
+                    "normal of these surfaces points straight up, although almost no normal of the map has this "
+                    "direction.")
     lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "-0.775,0.442,0.445",
              *FRAME)
     near = study.view("groove_near", "groove", *lobes, "--repeat", "60", "--camera", "0,0,0.7,0,0.7,0,45",

@@ -357,8 +357,9 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
         tables[t].rows += fmt::format(" {0}{1:.1f}{0}/{2:.1f} |", worse ? "**" : "", ours, other.error * 100.0);
         if (!worse || level == 0) continue;
         ++tables[t].worse;
-        tables[t].losses += fmt::format("- {}, s = {}, level {}: {:.1f} % by lobes, {:.1f} % by {}\n", name, s, level,
-                                        ours, other.error * 100.0, baseline_name(other.baseline));
+        tables[t].losses +=
+            fmt::format("- {}, s = {}, level {}: the error is {:.1f} % with lobes and {:.1f} % with {}\n", name, s,
+                        level, ours, other.error * 100.0, baseline_name(other.baseline));
       }
       tables[t].rows += "\n";
     }
