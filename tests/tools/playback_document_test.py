@@ -242,7 +242,7 @@ class DocumentTest(unittest.TestCase):
             self.assertGreater(packed, added)
             self.assertLess(packed, 3 * (own + added))
             self.assertGreaterEqual(ratio, 8)
-        self.assertRegex(page, r"With `lamp` as one more parameter, packing at 8:1 adds \d")
+        self.assertRegex(page, r"Compared with the field without `lamp`, packing at 8:1 adds \d")
 
     def test_splits_that_are_none_are_refused(self):
         done = self.run_tool("--split", "field_small", "light=swing")
@@ -267,8 +267,8 @@ class DocumentTest(unittest.TestCase):
         self.assertFalse(any(rows[f"memory, {size}"].get("mse", 0) < 0 for size in playing.MEMORIES))
         self.assertNotIn("browser", rows)
         page = (self.folder / "PLAYBACK.md").read_text()
-        for said in ("#### To any sample from a cold cache", "#### Frames per second", "#### Memory and quality",
-                     "`--block 4 --stagger yes`"):
+        for said in ("#### Seeks to random samples from a cold cache", "#### Frames per second",
+                     "#### Memory and quality", "`--block 4 --stagger yes`"):
             self.assertIn(said, page)
         self.assertNotIn("#### In the browser", page)
 

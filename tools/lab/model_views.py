@@ -70,11 +70,11 @@ def megabytes(count):
 
 def byte_text(report):
     texts = []
-    for kind, name in (("normal", "Fitted normals have"), ("metallic_roughness", "fitted roughness and metalness"),
-                       ("lobes", "lobes")):
+    for kind, name in (("normal", "Fitted normals need"), ("metallic_roughness", "fitted roughness and metalness need"),
+                       ("lobes", "and lobes need")):
         texts.append(f"{name} {megabytes(sum(one['bytes'].get(kind, 0) for one in report['textures']))}")
     fitted = sum(one["fitted"] for one in report["materials"])
     before, after = (megabytes(report[key]) for key in ("bytes_before", "bytes_after"))
-    return (f"The model has {before} before and {after} after the conversion. "
-            f"Fitted materials: {fitted} of {len(report['materials'])}; sets of textures: "
+    return (f"The model file has {before} before and {after} after the conversion. "
+            f"Fitted materials: {fitted} of {len(report['materials'])}; texture sets: "
             f"{len(report['textures'])}. {', '.join(texts)}.")

@@ -23,7 +23,8 @@ MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[K
 COMMANDS = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\((docs/[^)]*)\)")
 LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mip": "averaged normals"}
-FILTERS = {"taps": "default filter, 4 taps", "points": "the same, 4 evaluations of light per pixel for every method",
+FILTERS = {"taps": "default filter, 4 taps",
+           "points": "default filter, 4 evaluations of light per pixel for every method",
            "trilinear": "trilinear filter"}
 EVALUATED = "-points"  # the ending of methods that are shaded at as many points as multum takes evaluations
 
@@ -100,10 +101,10 @@ far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wi
 
 {rows}
 
-*Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps. In
-brackets: the same method with as many evaluations of light per pixel as the lobes. The reference has
-{made_of["samples"]} samples per pixel; its noise is {percent(made_of["noise"])}. Normal map: {source["author"]}, from
-{source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
+*Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps.
+Brackets contain the error of the same method with as many evaluations of light per pixel as the lobes. The reference
+has {made_of["samples"]} samples per pixel; the noise of the reference is {percent(made_of["noise"])}. Normal map:
+{source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
 
@@ -248,8 +249,8 @@ def costs(figures, root):
             "frame on an NVIDIA H100, trilinear / 16 x anisotropic, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Frames have 1920 x 1080 pixels. (1) Median of {len(sizes)} maps. (2) With the normal map's finest level in BC5. (3)
-Drawn from RGBA32F textures; BC5 and BC4 are faster.*
+*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes
+the normal map's finest level in BC5. (3) These frames read RGBA32F textures; BC5 and BC4 textures are faster to draw.*
 """
 
 
@@ -285,8 +286,8 @@ def whole_bakes(root):
 
 
 def bake_costs(_figures, root):
-    gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file: ([\d.]+) s with "
-                                        r"the GPU, ([\d.]+) s on the processor\.")
+    gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file, takes ([\d.]+) s "
+                                        r"with the GPU and ([\d.]+) s on the processor\.")
     device, count = row_of(root, "GPU.md", r"^(NVIDIA [^;]+?);.*?, (\d+) cores")
     ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
     return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"

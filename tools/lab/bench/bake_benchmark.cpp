@@ -96,20 +96,18 @@ ResultView view_bake(const Json& result) {
   table.add(row_of(ours.at("name"), ours, kCosts));
   table.add(row_of(theirs.at("name"), theirs, kCosts));
   table.add(row_of("ratio", result.at("ratio"), {"wall", "cpu", "peak", "output"}));
-  return {fmt::format("A whole bake compared with maketx, {0} x {0}{1}", result.at("size").get<int>(),
-                      result.contains("instructions") ? ", " + result["instructions"].get<std::string>() : ""),
-          fmt::format(
-              "Both programs read the four-quarter map from a 16-bit PNG and write a file that is synced to disk "
-              "({}). A is "
-              "`{}`. B is `{}` (OpenImageIO {}). After one run of each that does not count, A and B ran in {} pairs, "
-              "and "
-              "each ratio compares the runs of a pair. *CPU* is user and system time. maketx reads the normals of the "
-              "PNG "
-              "as signed numbers, so compare its costs, not its slopes.",
-              result.at("file_system").get<std::string>(), ours.at("command").get<std::string>(),
-              theirs.at("command").get<std::string>(), theirs.at("version").get<std::string>(),
-              result.at("repetitions").get<int>()),
-          table.text()};
+  return {
+      fmt::format("A whole bake compared with maketx, {0} x {0}{1}", result.at("size").get<int>(),
+                  result.contains("instructions") ? ", " + result["instructions"].get<std::string>() : ""),
+      fmt::format("Both programs read the four-quarter map from a 16-bit PNG and write a file that is synced to disk "
+                  "({}). A is "
+                  "`{}`. B is `{}` (OpenImageIO {}). After one untimed run of each program, A and B ran in {} pairs, "
+                  "and each ratio compares the two runs of a pair. *CPU* is user and system time. maketx reads the "
+                  "PNG's normals as signed numbers, so only its costs can be compared, not its slopes.",
+                  result.at("file_system").get<std::string>(), ours.at("command").get<std::string>(),
+                  theirs.at("command").get<std::string>(), theirs.at("version").get<std::string>(),
+                  result.at("repetitions").get<int>()),
+      table.text()};
 }
 
 }  // namespace multum::bench

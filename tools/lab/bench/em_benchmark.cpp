@@ -279,12 +279,12 @@ ResultView view_kernels(const Json& result) {
     table.add({std::to_string(level.at("level").get<int>()), rounded_text(level.at("kernels_ms").get<double>())});
   table.add({"all", rounded_text(result.at("kernels_ms").get<double>())});
   return {"EM kernels",
-          fmt::format("The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} "
-                      "iterations, on every level except for the coarsest. Times are medians of {3} runs. The kernels "
-                      "computed {4} billion lobe evaluations per second.",
-                      result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
-                      result.at("repetitions").get<int>(),
-                      rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
+          fmt::format(
+              "The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} "
+              "iterations, on every level except for the coarsest level. Times are medians of {3} runs. The kernels "
+              "computed {4} billion lobe evaluations per second.",
+              result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
+              result.at("repetitions").get<int>(), rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
           table.text()};
 }
 
@@ -306,12 +306,13 @@ ResultView view_em(const Json& result) {
              "-"});
   return {"EM kernels compared with plain C++",
           fmt::format("The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} "
-                      "iterations, on every level except for the coarsest. The yardstick "
+                      "iterations, on every level except for the coarsest level. The yardstick program "
                       "(`tools/lab/bench/yardsticks/em_yardstick.cpp`) computes the same sums in C++ with {6} and "
-                      "OpenMP, on {3}. Kernels and yardstick ran alternately, in {4} pairs per level, from the same "
-                      "starts. Each ratio compares the two runs of a pair; the last row compares the sums of the "
-                      "medians. *Mean difference* is the difference between the amplitudes and first moments of both. "
-                      "If lobes outnumber normals, rounding chooses between equal optima. The kernels computed {5} "
+                      "OpenMP, on {3}. Kernels and yardstick ran alternately from the same starting values, in {4} "
+                      "pairs of runs per level. Each ratio compares the two runs of a pair; the last row compares the "
+                      "sums of the medians. *Mean difference* is the mean difference between the kernels' and the "
+                      "yardstick's amplitudes and first moments. If a texel has more lobes than normals, several "
+                      "optima are equally good, and rounding selects one of them. The kernels computed {5} "
                       "billion lobe evaluations per second.",
                       result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
                       threads_text(result), result.at("repetitions").get<int>(),

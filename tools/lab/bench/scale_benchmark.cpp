@@ -82,14 +82,12 @@ ResultView view_scale(const Json& result) {
     before = &row;
   }
   return {"Whole bakes of growing maps",
-          fmt::format("`{}` bakes the four-quarter map from a 16-bit PNG to a file that is synced to disk ({}). Each "
-                      "run is "
-                      "a process of its own, with {} runs per size. Sizes up to {} x {} have one more run before, "
-                      "which does "
-                      "not count. Four times as many texels should take four times as long.",
-                      result.at("sizes").at(0).at("command").get<std::string>(),
-                      result.at("file_system").get<std::string>(), result.at("repetitions").get<int>(), kWarmUpSizeMax,
-                      kWarmUpSizeMax),
+          fmt::format(
+              "`{}` bakes the four-quarter map from a 16-bit PNG to a file that is synced to disk ({}). Each run "
+              "starts a new process. The number of runs per size is {}. For sizes up to {} x {}, one untimed run comes "
+              "first. If time is proportional to size, four times as many texels take four times as long.",
+              result.at("sizes").at(0).at("command").get<std::string>(), result.at("file_system").get<std::string>(),
+              result.at("repetitions").get<int>(), kWarmUpSizeMax, kWarmUpSizeMax),
           table.text()};
 }
 

@@ -99,8 +99,8 @@ class FieldStudy:
 def compression(study, field):
     study.heading("Figure 10: a scene under a swinging light, 384:1 and 768:1")
     study.paragraph("Error and compression are defined as in the paper: MSE in 8-bit values over all samples of the",
-                    "field, with one block of 8 x 8. For textures, everything that a player needs counts, except for",
-                    "the scene file. The paper's figures show another scene, at 640 x 480 pixels.")
+                    "field, with one block of 8 x 8. The size of textures includes everything that a player needs, "
+                    "except for the scene file. The figures in the paper show another scene, with 640 x 480 pixels.")
     rows = []
     for ratio in TARGETS:
         results = {VIEWS: field.video(ratio)} if shutil.which("ffmpeg") else {}
@@ -141,8 +141,8 @@ def layers_and_pyramids(study, field):
 def moving_object(study, field):
     study.heading("Figure 12: an object that turns")
     samples = " x ".join(map(str, field.field.counts))
-    study.paragraph(f"The field has views and turns of a reflecting knot, with {samples} samples. The field of the",
-                    "paper has 24 x 48 samples, and its authors divided the storage by hand.")
+    study.paragraph(f"The field contains {samples} samples: views and turns of a reflecting knot. The paper's field",
+                    "contains 24 x 48 samples, and the authors divided the storage among the textures by hand.")
     results = {VIEWS: field.video(361)} if shutil.which("ffmpeg") else {}
     results["textures"] = field.packed("textures", 361, ())
     field.strip("figure12", [(field.traced, "traced"), *[
@@ -156,9 +156,9 @@ def pages_that_play(study, fields):
     if not fields:
         return
     study.heading("The demos, played")
-    study.paragraph("Each page contains everything: the packed field, its geometry, the decoder and the player. It",
-                    "opens from disk in any browser with WebGL 2 and WebAssembly. docs/evidence/PLAYBACK.md has its",
-                    "speed.")
+    study.paragraph("Each page contains everything: the packed field, its geometry, the decoder and the player. The "
+                    "page opens from disk in any browser with WebGL 2 and WebAssembly. docs/evidence/PLAYBACK.md "
+                    "lists the frame rates.")
     rows = []
     for field in fields:
         try:
@@ -186,7 +186,7 @@ def reproduce(study):
             figure(study, field)
     study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
                     "mapping. This forward mapping splats pixels bilinearly; the paper resamples with a",
-                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore states no factor over the paper's",
-                    "forward mapping. docs/evidence/PLAYBACK.md has curves of error over size, and the effect of each",
+                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio to the forward mapping "
+                    "of the paper. docs/evidence/PLAYBACK.md shows curves of error over size, and the effect of each "
                     "part of the coder.")
     pages_that_play(study, fields)

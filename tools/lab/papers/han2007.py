@@ -32,9 +32,10 @@ def v_groove(study):
     source = study.testmap("groove", "--quarter", "grooves")
     study.bake("groove", source, "--green", "up")
     study.heading("Figure 1: a V-groove")
-    study.paragraph("The groove has two slopes and a floor. From near, each has its own highlight. From far, all",
-                    "three are in one pixel, and their average points straight up, where the map has almost no",
-                    "normals.")
+    study.paragraph("The groove consists of two slopes and a floor. In the near view, each of the three surfaces "
+                    "shows a separate highlight. In the far view, one pixel covers all three surfaces. The average "
+                    "normal of these surfaces points straight up, although almost no normal of the map has this "
+                    "direction.")
     lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "-0.775,0.442,0.445",
              *FRAME)
     near = study.view("groove_near", "groove", *lobes, "--repeat", "60", "--camera", "0,0,0.7,0,0.7,0,45",
@@ -78,8 +79,8 @@ def methods(study):
 def harmonics(study):
     source = study.path("quarters_normal.png")
     study.heading("Figure 3: spherical harmonics and anisotropic filtering, Lambert")
-    study.paragraph("A texel has nine coefficients. They are plain averages, so a filter with several taps is exact",
-                    "for them. Averaged normals have errors, because max(n . l, 0) is not linear.")
+    study.paragraph("Each texel has nine coefficients. The coefficients are plain averages, so filtering them with "
+                    "several taps is exact. Averaged normals cause errors, because max(n . l, 0) is not linear.")
     study.bake("sh2", source, "--green", "up", "--ndf", "sh", "--sh-order", "2")
     matt = ("--source", source, "--green", "up", "--brdf", "lambert", "--diffuse", "0.9", "--light", "0.9,0.3,0.3",
             *FRAME)
@@ -102,8 +103,9 @@ def measured_materials(study):
         return
     source = study.path("quarters_normal.png")
     study.bake("sh8", source, "--green", "up", "--ndf", "sh", "--sh-order", "8")
-    study.paragraph("The materials are fits to MERL materials, as products of factors of the half angle. The factor",
-                    "of theta_h is convolved with the normals, by harmonics up to order 8 or by six lobes.")
+    study.paragraph("The materials are fits to measured MERL materials: each fit is a product of factors of the half "
+                    "angle. The factor that depends on theta_h is convolved with the normals. The convolution uses "
+                    "harmonics up to order 8, or six lobes.")
     rows = []
     for path in [p for p in found if "fabric" in p.name or "rubber" in p.name]:
         label = path.stem.replace("merl_nbrdf_", "")
@@ -124,9 +126,10 @@ def draped_cloth(study):
     weave = None if study.data is None else study.data / "normal/pm_0010.webp"
     has_fabric, has_weave = fabric is not None and fabric.is_file(), weave is not None and weave.is_file()
     source = weave if has_weave else study.path("quarters_normal.png")
-    study.paragraph("tools/lab/papers/cloth.py simulates the cloth. The normals are harmonics of order 8 of a",
-                    "woven map." if has_weave else "generated map (MULTUM_SHARED_DATA has a woven one).",
-                    "From near, the filter changes the middle little and the corners much.")
+    study.paragraph("tools/lab/papers/cloth.py simulates the cloth. The normals of a",
+                    "woven map" if has_weave else "generated map (MULTUM_SHARED_DATA has a woven map)",
+                    "are represented by harmonics of order 8. In the near view, the filter changes the middle of the",
+                    "picture little and the corners much.")
     study.bake("cloth", source, *(() if has_weave else ("--green", "up")), "--ndf", "sh", "--sh-order", "8")
     material = ("--brdf", fabric if has_fabric else "blinn-phong:12", "--source", source, "--light", "0.3,-0.5,0.8,3",
                 "--up", "0,0,1", "--repeat", "1", *FRAME)
@@ -154,10 +157,10 @@ def draped_cloth(study):
 def environment_light(study):
     """Figure 9: a mesh in low-frequency light, and in the full environment."""
     study.heading("Figure 9: a mesh under an environment")
-    study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the",
-                    "light as the half vector sees it, up to order 8 (Han, section 8); they suit broad highlights.",
-                    "The second column uses maps that are filtered for lobes of every width; they suit sharp",
-                    "highlights too.")
+    study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the "
+                    "light over half vectors, up to order 8 (Han, section 8). These harmonics are accurate only for "
+                    "broad highlights. The second column uses maps that are filtered for lobes of every width. "
+                    "Filtered maps are accurate for sharp highlights too.")
     light = study.path("sky.exr")
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
@@ -184,10 +187,11 @@ def changing_light(study):
     """Section 8's dynamic lighting: an environment that turns and fades into another."""
     study.heading("Section 8: an environment that changes at run time")
     frames = 5
-    study.paragraph("A sky turns by 90 degrees and fades into dusk. In each frame, the harmonics up to order 2 and",
-                    "the filtered maps are mixed from both skies, because both are linear in the light. A completely",
-                    "new environment costs the time in the column of new environments. Harmonics up to order 8 of the",
-                    "light over half vectors (Han's highlights) are computed anew in every frame in any case.")
+    study.paragraph("A sky turns by 90 degrees and fades into dusk. Harmonics up to order 2 and filtered maps are "
+                    "linear in the light. In each frame, they are therefore mixed from the values for both skies. The "
+                    "column *new environment* lists the time for a completely new environment. Harmonics up to order "
+                    "8 of the",
+                    "light over half vectors (Han's highlights) are recomputed in every frame.")
     light, dusk = study.path("sky512.exr"), study.path("dusk512.exr")
     write_sky(light, 512)
     sky = read_picture(light)
@@ -238,9 +242,9 @@ def starts(study):
     source = study.path("quarters_normal.png")
     study.heading("Section 7.2: where EM starts")
     study.paragraph("The paper starts a texel's lobes from the lobes of its children that are farthest apart",
-                    "(Hochbaum and Shmoys). multum starts texels from their parent, so only the coarsest texel needs",
-                    "a choice. The table compares a start from the normals that are farthest apart with the default",
-                    "search (docs/contributing/ALGORITHMS.md).")
+                    "(Hochbaum and Shmoys). multum starts each texel from the parent texel, so only the coarsest "
+                    "texel needs a separate start. The table compares two such starts: the normals that are farthest "
+                    "apart, and the default search (docs/contributing/ALGORITHMS.md).")
     shown, rows = [], []
     for count in (4, 6):
         views = {}
@@ -266,9 +270,9 @@ def lobe_counts(study):
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
     reference = density_of_normals(block, directions)
     study.heading("Figure 7: the normals of one texel, as one to six lobes and as planar Gaussians")
-    study.paragraph("The texel is on level 5 of the map of scales, and its normals reach 72 degrees. Near the rim of",
-                    "the disk, a planar Gaussian becomes a broad smear on the sphere. The error compares the",
-                    "densities in the pictures, over solid angle.")
+    study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals reach 72 degrees. Near the "
+                    "rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The error compares the "
+                    "densities in the pictures, integrated over solid angle.")
     shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))

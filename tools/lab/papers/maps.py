@@ -90,8 +90,8 @@ def draw_every_map(study):
         study.paragraph("Read with --green up, because their statistics do not show green's direction:",
                         f"{', '.join(guessed)}.")
     study.heading("Frame times")
-    study.paragraph("The table has the time of a frame of 320 x 240 pixels, divided by the time of Toksvig in the",
-                    "same run: medians over the maps, and the lowest and the highest ratio.")
+    study.paragraph("The table lists the time per frame of 320 x 240 pixels, divided by the time of Toksvig in the "
+                    "same run. Each cell contains the median over the maps, the lowest ratio and the highest ratio.")
     low, middle, high = (np.percentile(ratios, q, axis=0) for q in (0, 50, 100))
     study.table(["", *labels], [["ms", *[f"{value:.1f}" for value in np.median(milliseconds, axis=0)]],
                                 ["ratio to Toksvig", *[f"{value:.2f}" for value in middle]],
@@ -131,9 +131,9 @@ def draw_every_material(study):
                 row.append("refused")
         rows.append(row)
     study.heading("Frame times of materials")
-    study.paragraph("The table has the time of a frame of 320 x 240 pixels with the map of grooves, 256 x 256 texels.",
-                    "This time is divided by the time of Toksvig's averaged normal with the same BRDF and light in",
-                    f"the same run. Numbers are medians of {MATERIAL_RUNS} runs.")
+    study.paragraph("The table lists the time per frame of 320 x 240 pixels for the map of grooves (256 x 256 "
+                    "texels). Each time is divided by the time of Toksvig's averaged normal with the same BRDF and "
+                    f"light in the same run. Numbers are medians of {MATERIAL_RUNS} runs.")
     study.table(["", *[label for label, _, _ in kinds]], rows)
 
 
@@ -153,17 +153,17 @@ def draw_same_filter(study):
             columns.append((f"s = {exponent}, {'same filter' if of == 'texels' else 'pixel'}",
                             {name: relative_l1(view[name], view["reference"]) for _, name in methods}))
     study.heading("Error of the picture's filter")
-    study.paragraph("The table has errors of highlights on the four-quarter map. One reference averages over the",
-                    "texels that the filter takes, and the other reference averages over the pixel. The difference",
-                    "between both errors comes from the filter.")
+    study.paragraph("The table lists errors of highlights on the four-quarter map. One reference averages over the "
+                    "texels that the filter reads, and the other reference averages over the pixel. The difference "
+                    "between the two errors is the error of the filter.")
     study.table(["", *[words for words, _ in columns]],
                 [[label, *[percent(errors[name]) for _, errors in columns]] for label, name in methods])
 
 
 def reproduce(study):
     study.samples = None  # as many as the reference's noise takes
-    study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. multum-view's own",
-                    "filter draws all pictures. Errors are relative L1 errors against samples of the map itself.")
+    study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. All pictures use "
+                    "multum-view's own filter. Errors are relative L1 errors against samples of the map itself.")
     draw_every_map(study)
     draw_every_material(study)
     draw_same_filter(study)

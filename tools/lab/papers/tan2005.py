@@ -70,9 +70,10 @@ def zoom(study):
     few = [f["few"][REFERENCE] for f in frames]
     texels = [f["texels"][REFERENCE] for f in frames]
     study.heading("Figure 4: three frames of a zoom")
-    study.paragraph("The camera moves away from a carved disk by 6 % per frame. Flicker is the change of a picture",
-                    "from frame to frame that the reference does not have, relative to the reference. At 0, the",
-                    "picture is as steady as the reference. The paper's colour errors are against 16 rays per pixel.")
+    study.paragraph("The camera moves away from a carved disk by 6 % per frame. Flicker is the change between frames "
+                    "that does not occur in the reference, relative to the reference. A flicker of 0 means that the "
+                    "picture is as steady as the reference. The paper computes colour errors against a reference with "
+                    "16 rays per pixel.")
     for label, pictures in [("reference", references), *list(shown.items())[:3]]:
         study.figures([(picture, f"{label}, frame {i + 1}") for i, picture in enumerate(pictures)], name="zoom")
     own = {label: mean(colour_distance, pictures, texels) for label, pictures in shown.items()}
@@ -83,14 +84,14 @@ def zoom(study):
                      ("flicker", percent(flicker(pictures, references)))]) for label, pictures in shown.items()}
     factors(study, rows, {OURS: 0.060, "Toksvig": 0.165})
     ours, theirs = rows[OURS][0], rows["Toksvig"][0]
-    study.paragraph("In the paper, Toksvig has 2.75 times the error of the paper's method. Here, the factor is",
-                    f"{theirs / ours:.2f}, and {own['Toksvig'] / own[OURS]:.2f} against the reference with the same",
-                    "filter.")
+    study.paragraph("In the paper, the error of Toksvig is 2.75 times the error of the paper's method. Here, the",
+                    f"factor is {theirs / ours:.2f}. Against the reference with the same filter, the factor is",
+                    f"{own['Toksvig'] / own[OURS]:.2f}.")
     study.paragraph(f"16 samples per pixel differ from {study.samples} samples by",
                     f"{mean(colour_distance, few, references):.3f} in colour error and by",
-                    f"{percent(mean(relative_l1, few, references))} in relative L1. The reference with the same filter",
-                    "averages over the texels that the filter takes. Errors against this reference come only from the",
-                    "methods, without the blur that all methods share.")
+                    f"{percent(mean(relative_l1, few, references))} in relative L1. The reference with the same "
+                    f"filter averages over the texels that the filter reads. Errors against this reference come only "
+                    f"from the methods, without the blur that all methods share.")
 
 
 def alignment(study):
@@ -99,9 +100,9 @@ def alignment(study):
     aligned = study.view("aligned", "disk_gmm", *where, compare=(REFERENCE,))
     unaligned = study.view("unaligned", "disk_gmm_unaligned", *where)
     study.heading("Figures 5 and 6: alignment")
-    study.paragraph("Gaussians that are fitted independently for every texel approximate the normals as well as",
-                    "aligned ones. Between texels, however, the filter mixes the first Gaussian of one texel with the",
-                    "first Gaussian of the other, even if they have nothing in common.")
+    study.paragraph("Gaussians that are fitted independently for every texel approximate the normals as well as "
+                    "aligned Gaussians. Between two texels, however, the filter mixes the first Gaussian of one texel "
+                    "with the first Gaussian of the other texel, even if these Gaussians represent different normals.")
     study.figures([(unaligned["multum"], "unaligned Gaussians"), (aligned[REFERENCE], "reference"),
                    (aligned["multum"], "aligned Gaussians")], name="alignment")
     study.table(["Gaussians", "colour error", "relative L1"],
@@ -124,8 +125,9 @@ def fournier(study):
     study.heading("Figure 7: Fournier's Phong peaks")
     study.paragraph("The camera sees a disk at a grazing angle. Fournier fits Phong peaks to every texel",
                     "independently, and such peaks cannot be mixed. All eight texels of a trilinear footprint must",
-                    "therefore be shaded, and a wider footprint is impossible. The filter mixes aligned lobes, here",
-                    f"with {' '.join(ELONGATED_FILTER)}. Peaks are here vMF lobes of an unaligned bake.")
+                    "therefore be shaded, and a wider footprint is impossible. Aligned lobes can be mixed by the",
+                    f"filter, here with {' '.join(ELONGATED_FILTER)}. Here, vMF lobes of an unaligned bake replace",
+                    "Phong peaks.")
     rows = [(OURS + ", elongated filter", wide["multum"], wide),
             ("vMF lobes, elongated filter", lobes["multum"], lobes),
             ("planar Gaussians, round filter", round_filter["multum"], round_filter),
@@ -136,11 +138,13 @@ def fournier(study):
                             [("relative L1", percent(relative_l1(picture, reference))),
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
-    study.paragraph("Many small lookups per pixel act like a filter with the pixel's own shape. Their error is the",
-                    "error of the Gaussians; the other rows add the error of their filter. The picture of the",
+    study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The error of this "
+                    "row is the error of the Gaussians; the other rows include the error of their filters. The "
+                    "picture of the",
                     "elongated filter differs from the picture of the round filter by",
-                    f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The paper's factor",
-                    "compares the peaks with a filter that fits the pixel. Here, this factor is",
+                    f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
+                    f"paper compares the time of the peaks with the time of a filter that fits the pixel. Here, this "
+                    f"factor is",
                     f"{colour_distance(theirs['multum'], reference) / colour_distance(fitting, reference):.1f}.")
 
 
@@ -156,8 +160,8 @@ def armour(study):
     texels = study.view("armour_texels", "armour_gmm", *gold, *far_away, "--reference-of", "texels",
                         compare=(REFERENCE,))
     study.heading("Figure 8: golden armour")
-    study.paragraph("Hemispherical scales are seen from near and far. With a fixed BRDF and averaged normals, the far",
-                    "armour shines like a smooth ring.")
+    study.paragraph("Hemispherical scales are seen from near and far. With a fixed BRDF and averaged normals, the "
+                    "distant armour shines like a smooth ring.")
     study.figures([(near["multum"], "near, planar Gaussians"), (far["multum"], "far, planar Gaussians"),
                    (far[REFERENCE], "far, reference"), (far["mip"], "far, fixed BRDF")], name="armour")
     rows = {OURS: far["multum"], "planar Gaussians, 8": eight["multum"], "vMF lobes, 4": lobes["multum"],
@@ -168,10 +172,12 @@ def armour(study):
                              ("relative L1", percent(relative_l1(picture, far[REFERENCE])))])
                     for label, picture in rows.items()}, {OURS: 0.058, "fixed BRDF": 0.175})
     factor = lambda errors: f"{errors['fixed BRDF'] / errors[OURS]:.2f}"
-    study.paragraph("In the paper, a fixed BRDF has 3.0 times the error of the paper's method. Here, the factor is",
-                    f"{factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}, and",
-                    f"{factor(own)} against the reference with the same filter. Four lobes are few for scales that",
-                    "fill the hemisphere; the armour of the paper may not fill it.")
+    study.paragraph("In the paper, the error of a fixed BRDF is 3.0 times the error of the paper's method. Here, the",
+                    f"factor is {factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}.",
+                    "Against the reference with the same filter, the factor is",
+                    f"{factor(own)}. Normals of hemispherical scales fill "
+                    f"the hemisphere, for which four lobes are few. The normals of the armour in the paper possibly "
+                    f"do not fill the hemisphere.")
 
 
 def reproduce(study):
@@ -183,10 +189,11 @@ def reproduce(study):
                                   ("armour", scales, ()), ("armour_gmm", scales, ("--ndf", "gmm")),
                                   ("armour_gmm8", scales, ("--ndf", "gmm", "--lobes", "8"))):
         study.bake(name, source, "--green", "up", *options)
-    study.paragraph("The disk and the armour of the paper are not published. A map of rings and a map of",
-                    "hemispherical scales replace them. The paper describes its colour error only in words: the mean",
-                    "distance between displayed colours, divided by the distance between black and white. The value",
-                    "of this error depends on the scene; the ratio between two methods depends on it less.")
+    study.paragraph("The disk and the armour of the paper are not published. A map of rings replaces the disk, and a "
+                    "map of hemispherical scales replaces the armour. The paper defines the colour error only in "
+                    "words: the mean distance between displayed colours, divided by the distance between black and "
+                    "white. The colour error depends on the scene; the ratio between two methods depends less on the "
+                    "scene.")
     zoom(study)
     alignment(study)
     fournier(study)

@@ -24,9 +24,9 @@ def sheet(study, name, caption, *options):
 
 def colours(study):
     study.heading("Magnification and compression")
-    study.paragraph("The picture covers a plane that runs to the horizon, so it is magnified near the camera and",
-                    "compressed far away. The nearest texel gives blocks and noise. The pyramid is smooth in both",
-                    "cases.")
+    study.paragraph("The picture is mapped onto a plane that runs to the horizon, so the picture is magnified near "
+                    "the camera and compressed far away. Nearest-texel lookups show blocks near the camera and noise "
+                    "far away. The pyramid is smooth in both places.")
     study.testmap("picture")
     study.run("multum", "mip", study.path("picture_albedo.png"), "-o", study.path("picture.exr"))
     rows = sheet(study, "colours", "the reference and three ways to look up", "pyramid", study.path("picture.exr"),
@@ -59,10 +59,10 @@ def bumpy_ball(path, steps=192, bumps=0.05):
 
 def highlights(study):
     study.heading("Highlights")
-    study.paragraph("Light and highlights are stored as a map over the normal. Where the surface turns much within a",
-                    "pixel, the finest level hits or misses the highlight. The level that fits the curvature averages",
-                    "the highlight. Flicker is the mean change of the error while the picture moves by parts of a",
-                    "pixel.")
+    study.paragraph("Light and highlights are stored in a map that is indexed by the normal. Where the normal changes "
+                    "much within a pixel, a lookup in the finest level hits or misses the highlight. A lookup in the "
+                    "level that fits the curvature averages the highlight. Flicker is the mean change of the error "
+                    "while the picture moves by parts of a pixel.")
     lights = [option for direction in ("0.3,0.8,0.5", "-1,0.2,0.4,2", "0.6,-0.5,0.7", "-0.3,-0.2,1")
               for option in ("--light", direction)]
     study.run("multum", "reflectance", "-o", study.path("lights.exr"), "--brdf", "blinn-phong:300", *lights)
@@ -92,10 +92,11 @@ def bumpy_positions(path, width=256, height=128, bumps=0.05):
 def limited_curvature(study):
     study.heading("Curvature limited before rendering")
     study.paragraph("The surface's own pyramid removes details that are smaller than the spacing of its points in",
-                    "pixels, before any highlight is looked up. If lights have no pyramid, points half a pixel apart",
-                    "have lower errors and less flicker. If lights have a pyramid, the finest surface has lower",
-                    "errors. The limited surface lacks the spread of normals of its bumps, and points a pixel apart",
-                    "lose this spread completely.")
+                    "pixels, before any highlight is looked up. If the lights have no pyramid, points half a pixel "
+                    "apart give lower errors and less flicker than the finest surface. If the lights have a pyramid, "
+                    "the finest surface gives lower errors than the limited surface. The limited surface lacks part "
+                    "of the spread of the normals that bumps cause. At a spacing of one pixel, this spread is lost "
+                    "completely.")
     study.run("multum", "lod", bumpy_positions(study.path("ball_points.exr")), "-o", study.path("ball_lod.exr"), "--of",
               "positions", "--swrap", "periodic", "--twrap", "clamp")
     found, shown, size = [], [], "28x28"
@@ -142,10 +143,10 @@ def camera(distance):
 
 def boiling(study):
     study.heading("The surface's level from its projection")
-    study.paragraph("The camera zooms out over 14 frames, 8 % farther away in each. Boiling is the change of pictures",
-                    "from frame to frame that the reference does not have. The reference is the finest surface with 6",
-                    "x 6 samples per pixel. If the level keeps points at a constant distance in pixels, it changes",
-                    "without steps. Whole levels jump.")
+    study.paragraph("The camera zooms out over 14 frames; in each frame, the distance grows by 8 %. Boiling is the "
+                    "change between frames that does not occur in the reference. The reference is the finest surface "
+                    "with 6 x 6 samples per pixel. If the level keeps points at a constant distance in pixels, the "
+                    "level changes smoothly. Whole levels change in visible jumps.")
     frames = [3.0 * 1.08 ** k for k in range(14)]
     references = [draw_surface(study, f"zoom_reference{k}", "lod.exr", "--level", "0", *camera(d), factor=6)[0]
                   for k, d in enumerate(frames)]
@@ -182,9 +183,9 @@ def torus_points(path, around=64, across=32):
 
 def patches(study):
     study.heading("Patches by their control points")
-    study.paragraph("The points of a level are used as control points of bicubic B-spline patches. Patches are smooth",
-                    "where triangles of the same points show their edges. Errors are against the spline itself, drawn",
-                    "with 32 x 32 cells per patch.")
+    study.paragraph("The points of a level are used as control points of bicubic B-spline patches. Patches are smooth "
+                    "where triangles with the same points have visible edges. The reference for the errors is the "
+                    "spline itself, drawn with 32 x 32 cells per patch.")
     study.run("multum", "lod", torus_points(study.path("torus_points.exr")), "-o", study.path("torus_lod.exr"), "--of",
               "positions", "--wrap", "periodic")
     view = ("--camera", "0.3,-3.2,2.2,0,0,0,38", "--up", "0,0,1", "--brdf", "blinn-phong:60", "--specular", "0.1",
@@ -205,8 +206,8 @@ def patches(study):
 
 def levels_of_detail(study):
     study.heading("Levels of detail")
-    study.paragraph("A height field's pyramid is drawn at continuous levels. Coarser levels have fewer points and",
-                    "smoother hills.")
+    study.paragraph("The pyramid of a height field is drawn at continuous levels. Coarser levels have fewer points "
+                    "and smoother hills than finer levels.")
     hills(study)
     shown = []
     for level in (0, 2, 3.5, 5):

@@ -222,21 +222,18 @@ def seek_section(row, table):
     for name in videos:
         ratio = statistics.median(one["multum"]["p50"] / one[name]["p50"] for one in row["rounds"])
         verdict.append(f"{ratio:.1f} times as long as {spoken(name)}")
-    return ["#### To any sample from a cold cache",
+    return ["#### Seeks to random samples from a cold cache",
             table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
                    "decoded at most"], lines),
             f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, on one core and one "
-            f"thread. The "
-            "table has medians of the rounds, with their range in brackets, and ratios within a round. AV1 has the "
-            "quality "
-            "whose error is most similar to the error of the packed file. "
-            f"lib{row['decoder']} decodes from the key frame to the frame, without conversion of colours. The median "
+            f"thread. The table lists medians of the rounds with ranges in brackets, and ratios within a round. AV1 "
+            f"uses the quality setting whose error is most similar to the error of the packed file. "
+            f"lib{row['decoder']} decodes all frames from the key frame to the requested frame, without colour "
+            f"conversion. The median "
             f"seek "
-            f"takes {' and '.join(verdict)}. A block is decoded whole, with the coefficients of all its samples, "
-            f"before its "
-            "first texture is available. Its textures cover everything that any view of the block sees, which is "
-            "several "
-            "times the texels of a frame."]
+            f"takes {' and '.join(verdict)}. To obtain any texture of a block, the decoder must decode the "
+            f"coefficients of all samples of the block. The textures of a block cover everything that is visible in "
+            f"any view of the block. A block therefore contains several times as many texels as one frame needs."]
 
 
 def rate_section(found, table):
@@ -251,11 +248,10 @@ def rate_section(found, table):
         ["path", "sub-pixels", "frames per second", "slowest frame, ms", "decoding, processor ms per frame",
          "upload, ms", "preparing, ms", "drawing, ms"], lines),
         "`multum-view play` draws with Mesa's software renderer and decodes on the same core. On the *cached* path, "
-        "the "
-        "view moves within a sample. On the *diagonal* path, each frame is one sample further along all parameters, "
-        "until all samples were shown, and each frame waits for its textures. For such a path, the paper states 2.4 to "
-        "8.8 frames per second on average and 1.3 in the worst case, on hardware of 1999, and 34 on the cached "
-        "path."] if lines else []
+        "the view moves within a sample. On the *diagonal* path, each frame moves one sample further along all "
+        "parameters, until all samples were shown. Each frame waits for the textures of its sample. For a diagonal "
+        "path on hardware of 1999, the paper reports 2.4 to 8.8 frames per second on average, and 1.3 in the worst "
+        "case. For a cached path, the paper reports 34 frames per second."] if lines else []
 
 
 def border_section(found, table):
@@ -268,15 +264,14 @@ def border_section(found, table):
                 lines.append([f"`{' '.join(options)}`", f"{error['bytes']:,}", f"{error['mse']:.1f}", ahead,
                               f"{row['per_second']:.1f}", f"{row['worst_ms']:.0f}", f"{row['decoding_worst_ms']:.1f}",
                               row["chunks_most"]])
-    return ["#### Across the borders of blocks", table(
+    return ["#### Playback across block borders", table(
         ["options", "bytes", "MSE", "frames decoded ahead", "frames per second", "slowest frame, ms",
          "most decoding in a frame, processor ms", "most chunks in a frame"], lines),
         "The path is the diagonal with 1 x 1 sub-pixels. Textures that are not used for 4 frames are dropped. With "
         "`--stagger`, the blocks of the objects begin at different samples, so fewer blocks are decoded in one frame, "
         "and "
-        "the blocks at the ends are smaller. Without frames decoded ahead, decoding is the same in every run. Times "
-        "of frames "
-        "vary, because the machine does other work."] if lines else []
+        "the blocks at the ends are smaller. If no frames are decoded ahead, every run decodes the same blocks in the "
+        "same frames. Frame times vary, because other programs run on the machine."] if lines else []
 
 
 def memory_section(found, table):
@@ -284,13 +279,13 @@ def memory_section(found, table):
     for size in MEMORIES:
         row = found.get(f"memory, {size}")
         if row and not row["fits"]:
-            lines.append([size, "-", "-", "-", "refused with a message: not even one frame fits"])
+            lines.append([size, "-", "-", "-", "multum-view stops with an error: the memory does not hold one frame"])
         elif row:
             lines.append([size, f"{row['bytes_most'] / 2 ** 20:.1f}", f"{row['mse']:.2f}",
                           f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
     return ["#### Memory and quality", table(
         ["`--memory`", "peak, MiB", "MSE against frames that wait", "images that are late, %", ""], lines),
-        "The path is the diagonal with `--no-wait`: every frame shows the textures that are decoded in "
+        "The path is the diagonal with `--no-wait`: each frame is drawn with the textures that are decoded in "
         "time."] if lines else []
 
 
@@ -316,24 +311,20 @@ def browser_section(row, found, table):
          "frames per second of `multum-view play`"], lines),
         f"The browser is headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} "
         f"pixels, on "
-        "all cores. *Only drawing* waits for the end of each frame. *Shown* is the page while the view moves, with the "
-        "number "
-        "of sub-pixels that it chooses.",
-        f"A frame of the diagonal waits {diagonal['waitingMs']:.0f} ms for textures from {diagonal['workers']} "
+        "all cores. In rows with *only drawing*, the page waits until each frame is finished. In rows with *shown*, "
+        "the view moves, and the page chooses the number of sub-pixels.",
+        f"On the diagonal, each frame waits {diagonal['waitingMs']:.0f} ms for textures from {diagonal['workers']} "
         f"worker, and "
         f"needs {diagonal['drawingMs']:.0f} ms for uploading and drawing. Drawing is the slowest part. A picture with "
         f"one "
-        f"sub-pixel per pixel takes {profile['wholeMs']:.1f} ms: {profile['withoutObjectsMs']:.1f} ms without objects "
-        f"(mean "
-        f"and sRGB), {profile['smallMs']:.1f} ms with 16 x 12 pixels (corners of triangles), and the rest for looking "
-        f"up "
-        "two textures of half floats for each pixel. While the view moves on a slow device, the page reads one mip "
-        "level. "
-        f"At rest it reads two, and a picture takes {profile['twoLevelsMs']:.1f} ms.",
-        "The page draws more sub-pixels as long as frames take less than 45 ms, so it shows fewer and finer pictures "
-        "per "
-        "second than it could draw. The slowest frame of the diagonal is its first frame, for which all chunks are "
-        "decoded."]
+        f"sub-pixel per pixel takes {profile['wholeMs']:.1f} ms: {profile['withoutObjectsMs']:.1f} ms for a picture "
+        f"without objects (mean and sRGB), {profile['smallMs']:.1f} ms for a picture with 16 x 12 pixels (triangle "
+        f"vertices), and the rest for two lookups in half-float textures per pixel. While the view moves on a slow "
+        f"device, the page reads one mip level. At rest, the page reads two mip levels, and a picture takes "
+        f"{profile['twoLevelsMs']:.1f} ms.",
+        "While frames take less than 45 ms, the page increases the number of sub-pixels. The page therefore shows "
+        "fewer pictures per second than it could draw, but in higher quality. The first frame of the diagonal is the "
+        "slowest, because all chunks for this frame must be decoded."]
 
 
 def playing_section(rows, name, table):

@@ -208,21 +208,18 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
     colours += "\n";
   }
   return fmt::format(
-             "The table has errors of levels 3 / 5 / 7, over all texels, for a white map. Times are for one fit, "
-             "including its "
-             "start, on {} cores: the shortest of {} fits. The rows ran alternately, after one fit of each that "
-             "compiled the "
-             "kernels. *Processor s* is processor time.\n\n",
+             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Times cover one fit, "
+             "including its start, on {} cores: the shortest of {} fits. One fit per row compiled the kernels before "
+             "the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
              core_count(), kTimedRounds) +
          summary +
          fmt::format(
-             "\nThe next table has the same errors with other seeds of the noise quarter. It shows how much the "
-             "figures depend "
-             "on chance. Level 7 has only {0} x {0} texels.\n\n",
+             "\nThe next table repeats the errors for other random seeds of the noise quarter, to show how much the "
+             "errors depend on chance. Level 7 has only {0} x {0} texels.\n\n",
              std::max(options.size >> 7, 1)) +
          seeds +
-         "\nErrors with colours (colours of lobes, compared with the colour of every normal), levels 3 / 5 / 7, texel "
-         "centres:\n\n" +
+         "\nThe next table lists errors with lobe colours at texel centres of levels 3 / 5 / 7. The reference uses the "
+         "colour of each normal.\n\n" +
          colours + tables;
 }
 
@@ -263,16 +260,13 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
     }
   }
   return fmt::format(
-             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store levels from L on (`multum "
-             "bake "
-             "--first-level L`). Finer levels have one lobe per texel, with the mean vector of the normal map's own "
-             "levels. "
-             "Between levels L - 1 and L, both kinds are shaded and mixed. *Midway* is the worse of x and y. The "
-             "table has the "
-             "error of the filter's mixture. Renderers also narrow the normal map's lobe to the part that a pixel sees "
+             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser "
+             "levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean "
+             "vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the "
+             "results are mixed. *Midway* is the higher of the errors midway in x and in y. The table lists the error "
+             "after this mixing. Renderers also narrow the normal map's lobe to the part that a pixel sees "
              "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes are in "
-             "MB, for the "
-             "file and on the GPU. A BC5 normal and a BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
+             "MB, in the file and on the GPU. BC5 normals and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
          "file, MB | GPU, MB | GPU size / (BC5 + BC4) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
@@ -363,8 +357,9 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
         tables[t].rows += fmt::format(" {0}{1:.1f}{0}/{2:.1f} |", worse ? "**" : "", ours, other.error * 100.0);
         if (!worse || level == 0) continue;
         ++tables[t].worse;
-        tables[t].losses += fmt::format("- {}, s = {}, level {}: {:.1f} % by lobes, {:.1f} % by {}\n", name, s, level,
-                                        ours, other.error * 100.0, baseline_name(other.baseline));
+        tables[t].losses +=
+            fmt::format("- {}, s = {}, level {}: the error is {:.1f} % with lobes and {:.1f} % with {}\n", name, s,
+                        level, ours, other.error * 100.0, baseline_name(other.baseline));
       }
       tables[t].rows += "\n";
     }
@@ -380,20 +375,16 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   MapErrors errors;
   for (const std::string& path : paths) add_map(device, path, options, tables, errors);
   std::string text =
-      "The tables cover every file of the test folder that `multum bake` reads as a normal map, at texel centres, "
-      "with all "
-      "texels of every level. A cell has two errors in %: of this bake, and of the best other method among Toksvig, "
-      "LEAN and "
-      "LEAN with its Jacobian. Errors of this bake are bold if they are higher by more than 0.05 points. Normals of "
-      "the other "
-      "methods are stored in 16 bits, like lobes, and moments as floats. Cells of level 0 do not count, because a "
-      "texel of "
-      "level 0 is a single normal.\n\n"
-      "### By channels\n\nThe table has medians over all maps and their levels from 1 on, with the first and third "
-      "quartile in "
-      "brackets. Each cell counts once. A lobe has four channels. An averaged normal has three channels, also for "
-      "Toksvig: "
-      "its length shows how much normals vary. LEAN has five channels.\n\n" +
+      "The tables cover every file of the test folder that `multum bake` reads as a normal map. The tables list errors "
+      "at the centres of all texels of every level. Each cell contains two errors in %. The first error is the error "
+      "of multum's lobes. The second error is the lowest error among Toksvig, LEAN and LEAN with its Jacobian. The "
+      "first error is bold if it exceeds the second error by more than 0.05 points. All methods store normals in 16 "
+      "bits, and moments as "
+      "floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
+      "### By channels\n\nThe table lists medians over all maps and their levels from 1 on. Brackets contain the first "
+      "and third quartile. Each combination of map and level counts once. A lobe needs four channels. An averaged "
+      "normal needs three channels, also for Toksvig, because the length of the normal shows how much the normals "
+      "vary. LEAN needs five channels.\n\n" +
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
@@ -446,15 +437,12 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
       std::string(
-          "The rows are the settings that `multum tradeoff` sweeps. Each BRDF has one figure: the error of pixels, "
-          "relative "
-          "L1 in %, with half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured error\"), "
-          "through "
-          "the default filter of that commit: ") +
+          "The rows are the settings that `multum tradeoff` measures. Each BRDF column lists the pixel error (relative "
+          "L1 error in %) and half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured "
+          "error\"). Pixels use the default filter of that commit: ") +
       default_filter_text() +
-      ".\n\nTimes include fitting or averaging, rounding and writing. They are the shortest of three bakes of each "
-      "setting. The "
-      "settings ran alternately, with compiled kernels.\n" +
+      ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The "
+      "settings ran alternately, and all kernels were compiled before the timed runs.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;
@@ -486,19 +474,18 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   const std::string made_by =
       fmt::format("Made at {} on {}, {}, device {}.\n\n", commit, processor_name(), system_name(), device.info().name);
   std::string text =
-      "# Accuracy\n\nThis page shows the errors of single texels: of lobes, other methods and the shading formulas.\n\n"
-      "Generated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`; `--section` makes one section anew. Do not "
+      "# Accuracy\n\nThis page lists the errors of single texels for lobes, for other methods and for the shading "
+      "formulas.\n\n"
+      "Generated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`; `--section` regenerates one section. Do not "
       "edit.\n\n"
-      "Errors are relative L1 in %: sum |model - reference| / sum reference, over all texels of a level and 12 half "
-      "vectors "
-      "(lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)). For Lambert, "
-      "the sums "
-      "are over the four lights.\n\n"
-      "- BRDF: (s+1)/(2 pi) t^s, only the convolution, without n . l.\n"
-      "- Reference: the average over every finest normal that a texel covers, in double precision.\n"
-      "- Model: the lobes as stored (snorm16 unless a row says otherwise), filtered like hardware filters and shaded "
-      "like "
-      "the runtime shades.\n\n";
+      "Errors are relative L1 errors in %: sum |model - reference| / sum reference. The sums run over all texels of a "
+      "level and 12 half vectors "
+      "(lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)). For Lambert, the "
+      "sums run over the four lights.\n\n"
+      "- BRDF: (s+1)/(2 pi) t^s. Only the convolution is measured, without the factor n . l.\n"
+      "- Reference: the average over all finest normals that a texel covers, computed in double precision.\n"
+      "- Model: the stored lobes, filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 "
+      "unless a row names another format.\n\n";
   const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
     const bool is_asked = options.sections.empty() ||
                           std::find(options.sections.begin(), options.sections.end(), name) != options.sections.end();

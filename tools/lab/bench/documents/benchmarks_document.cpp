@@ -32,13 +32,13 @@ std::string heading(const BenchmarksDocumentOptions& options, const std::string&
 }
 
 constexpr const char* kOpening =
-    "This page shows times and memory of multum's programs and kernels, and compares them with other programs.";
+    "This page lists the time and memory that multum's programs and kernels need, next to other programs.";
 
 constexpr const char* kHowToRead =
-    "\nTimes depend on the machine and on its other work. Compared programs therefore run alternately, and ratios "
-    "compare neighbouring runs. Figures are medians, with the first and third quartile in brackets. MB are 10^6 "
-    "bytes, MiB "
-    "2^20 bytes. To repeat a section, run its command as `build/release/bin/multum-bench`.\n";
+    "\nTimes depend on the machine and on other programs that run on it. Compared programs therefore run alternately, "
+    "and each ratio compares two consecutive runs. Figures are medians; brackets contain the first and third quartile. "
+    "One MB is 10^6 bytes, and one MiB is 2^20 bytes. To repeat a section, run the command of the section with "
+    "`build/release/bin/multum-bench`.\n";
 
 std::string section(const Json& result, const ResultView& view, const std::string& conditions) {
   return fmt::format("\nMeasured by `{}` on {}{}.\n\n{}\n\n{}", result.at("command").get<std::string>(),

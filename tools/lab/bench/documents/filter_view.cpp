@@ -189,12 +189,13 @@ std::string default_text(const Json& result, const Figures& errors) {
   const auto describe = [&](int taps, bool shades_taps) {
     const std::string method = "4 lobes";
     const FilterKey key{taps, kLevelBiasDefault, shades_taps}, timed{taps, kTimedBias, shades_taps};
-    return fmt::format("the error is {} %, the flicker {} %, and the processor time {:.2f} times the time of one tap",
-                       percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
-                       median_of(times, timed, method));
+    return fmt::format(
+        "the error is {} %, the flicker is {} %, and the processor time is {:.2f} times the time of one tap",
+        percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
+        median_of(times, timed, method));
   };
   return fmt::format(
-      "The **default** is {} taps at a bias of {:g}, averaged and shaded once, like an anisotropic sampler. With 4 "
+      "The **default** is {} taps at a bias of {:g}, averaged and shaded once, as by an anisotropic sampler. With 4 "
       "lobes, {}. With two taps at the same bias, each shaded, {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
@@ -205,18 +206,17 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**At equal evaluations** of light per pixel, with {} taps per evaluation (`multum-view --evaluations`): lobes "
-      "follow "
-      "multum's rule, and other methods are shaded at as many points per pixel. Errors in %, each method at its best "
-      "bias:\n\n",
+      "**At equal evaluations** of light per pixel, each evaluation uses {} taps (`multum-view --evaluations`). Lobes "
+      "follow multum's rule, and other methods are shaded at as many points per pixel. The table lists errors in %, "
+      "for each "
+      "method at its best bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
-  text += "\nFlicker in % at equal evaluations:\n\n";
+  text += "\nThe next table lists the flicker in % at equal evaluations:\n\n";
   text += table_of(with_budget(figures_of(result, "motions", "flicker"), true), moving, percent_text);
   text +=
-      "\nProcessor time of a frame at equal evaluations, divided by the time of the same method with one tap at "
-      "bias "
-      "0:\n\n";
+      "\nThe next table lists the processor time per frame at equal evaluations, divided by the time of the same "
+      "method with one tap at bias 0:\n\n";
   text += table_of(with_budget(time_ratios(result), true), methods,
                    [](double ratio) { return fmt::format("{:.2f}", ratio); });
   return text + "\n";
@@ -229,37 +229,37 @@ ResultView view_filters(const Json& result) {
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), false);
   const Figures flicker = with_budget(figures_of(result, "motions", "flicker"), false);
   std::string tables = default_text(result, errors) + evaluations_text(result, methods, moving) +
-                       "Error of pictures, relative L1 in %, medians over the maps:\n\n";
+                       "The next table lists picture errors (relative L1 errors in %) as medians over the maps:\n\n";
   tables += table_of(errors, methods, percent_text);
-  tables += "\nEach method at its best bias, error in % at the bias:\n\n";
+  tables += "\nThe next table lists, for each method, the lowest error in % and the bias that gives this error:\n\n";
   tables += best_bias_table(errors, methods);
-  tables += "\nFlicker in %, mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
-  tables += table_of(flicker, moving, percent_text);
-  tables += "\nFlicker of 4 lobes in %, for each motion:\n\n" + motion_table(result);
   tables +=
-      "\nProcessor time of a frame, divided by the time of the same method with one tap at bias 0; medians over the "
-      "maps "
-      "(GL in software, bias -0.5):\n\n";
+      "\nThe next table lists the flicker in %: the mean of a zoom, a pan and a turn, as medians over every fourth "
+      "map:\n\n";
+  tables += table_of(flicker, moving, percent_text);
+  tables += "\nThe next table lists the flicker of 4 lobes in %, for each motion:\n\n" + motion_table(result);
+  tables +=
+      "\nThe next table lists the processor time per frame, divided by the time of the same method with one tap at "
+      "bias 0. The values are medians over the maps, for GL in software at bias -0.5:\n\n";
   tables += table_of(with_budget(time_ratios(result), false), methods,
                      [](double ratio) { return fmt::format("{:.2f}", ratio); });
   tables +=
-      "\nError in % against a reference that blends the light of the four finest texels around a point. This reference "
-      "does not count magnification as an error of the bake:\n\n";
+      "\nThe next table lists errors in % against a reference that blends the light of the four finest texels around a "
+      "point. With this reference, magnification does not count as an error of the bake:\n\n";
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
-      fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels, Blinn-Phong with s = "
-          "100, and {} "
-          "maps ({}). Flicker is measured on pictures of half the size. Every method uses the same filter "
-          "(`multum-view "
-          "--taps --level-bias`). The reference has {} samples per pixel of the finest map and a box filter; its "
-          "noise is at "
-          "most {} (blended reference: {}). *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
-          "f' and "
-          "their references t, t'. LEAN uses its Jacobian.",
-          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
-          sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
+      fmt::format("The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s "
+                  "= 100). The {} "
+                  "maps are {}. Flicker is measured on pictures of half the size. Every method uses the same filter "
+                  "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest map and a "
+                  "box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
+                  "{}. *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
+                  "f' and "
+                  "their references t, t'. LEAN is drawn with its Jacobian.",
+                  result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(),
+                  map_names(result), sample_range(result), worst_noise(result, "noise"),
+                  worst_noise(result, "noise_blended")),
       tables};
 }
 
