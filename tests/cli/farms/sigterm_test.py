@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What SIGTERM leaves of every command (docs/how-to/clusters.md, "Results after SIGTERM"): exit code 130 well within a
-farm's
-period of grace, nothing half-written, and the same command again makes what an undisturbed run made.
+"""Tests the results of every command after SIGTERM (docs/how-to/clusters.md, "Results after SIGTERM"): exit code 130
+well within the grace period of a farm, no partial output, and the same result from the repeated command as from an
+undisturbed run.
 
   tests/cli/farms/sigterm_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -26,20 +26,20 @@ del sys.argv[at:at + 2]
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "gltf"))
 import gltf_test  # noqa: E402
 
-GRACE_SECONDS = 30  # of a farm; a quarter of it must do
+GRACE_SECONDS = 30  # a farm's grace period; a quarter of it must be enough
 SIZE = 128
 
 
 @dataclasses.dataclass
 class Row:
-    """A command. `out` in its words stands for the folder of its results."""
+    """A command. `{out}` in its words is replaced by the folder of its results."""
     name: str
     words: tuple
-    keeps: tuple = ()   # beginnings of names, hidden ones too, that may be there when it was stopped
-    before: tuple = ()  # commands that make what it works on in `out`
-    timed: tuple = ("report.json", "report.html")  # results that have times in them, and differ from run to run
-    until: str = ""     # a stage that it must have begun
-    share: float = 0.3  # of its time, after which it is stopped
+    keeps: tuple = ()   # prefixes of names, also hidden ones, that may exist after the stop
+    before: tuple = ()  # commands that make its inputs in `out`
+    timed: tuple = ("report.json", "report.html")  # results that hold times and so differ between runs
+    until: str = ""     # a stage that must have begun before the stop
+    share: float = 0.3  # share of its run time before the stop
 
 
 MAP = ("{maps}/map_normal.png",)
@@ -47,12 +47,12 @@ LARGE = ("{maps}/large_normal.png",)
 ONE = ("-o", "{out}/map.ndf.exr", "--no-measure")
 PARTIAL = (".multum-partial-",)
 ROWS = (
-    # With the stage that measures.
+    # Includes the measuring stage.
     Row("bake", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--resume"), PARTIAL),
     Row("bake gmm", ("bake", *MAP, *ONE, "--ndf", "gmm", "--resume"), PARTIAL),
     Row("bake refine", ("bake", *MAP, *ONE, "--refine", "--resume"), PARTIAL),
     Row("bake target", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--target-error", "0.5", "--ndf", "vmf", "--brdf",
-                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # most of it draws a picture
+                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # mostly draws a picture
     Row("bake budget", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--budget-ms", "1e6"), until="choose settings"),
     Row("bake several", ("bake", *MAP, "{maps}/second_normal.png", "-o", "{out}", "--no-measure", "--resume"),
         (*PARTIAL, "map_normal.ndf.exr")),
@@ -81,10 +81,10 @@ ROWS = (
     Row("tradeoff", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures")),
     Row("tradeoff budget", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures", "--quick", "--budget-ms",
                             "50"), until="time bakes"),
-    # While another program draws.
+    # Stops while multum-view draws.
     Row("tradeoff drawing", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--context", "osmesa"), until="draw"),
     Row("gltf", ("gltf", "{maps}/model.glb", "-o", "{out}/model.glb", "--format", "rgba8")),
-    # Stages are named once a second: on a fast machine the small model is done by then.
+    # Stages are reported once per second: on a fast machine the small model would be done by then.
     Row("gltf lobes", ("gltf", "{maps}/large.glb", "-o", "{out}/model.glb", "--format", "rgba8", "--lobes"),
         until="lobes"),
     Row("export", ("export", *MAP, "-o", "{out}/engine")),
@@ -131,7 +131,7 @@ class SigtermTest(unittest.TestCase):
         return [word.format(maps=self.maps, out=out) for word in words]
 
     def out_of(self, row, name):
-        """A folder as the command finds it."""
+        """Makes a folder with the inputs of the commands."""
         out = pathlib.Path(self.holder.name) / name
         shutil.rmtree(out, ignore_errors=True)
         out.mkdir()
@@ -144,8 +144,8 @@ class SigtermTest(unittest.TestCase):
         return out
 
     def stopped(self, row, out, pause):
-        """Exit code of the command when it hears SIGTERM, and how long it took from there. The signal comes twice, as
-        from `timeout`, which signals a process and its group."""
+        """Returns the command's exit code after SIGTERM, and the seconds from the signal to the exit. The signal comes
+        twice, as from `timeout`, which signals a process and its group."""
         words = [farm_programs.multum(), *self.words_of(row.words, out), "--openjd"]
         with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
             begun = not row.until
@@ -155,7 +155,7 @@ class SigtermTest(unittest.TestCase):
                     break
             time.sleep(pause)
             child.send_signal(signal.SIGTERM)
-            time.sleep(0.01)  # or both are one
+            time.sleep(0.01)  # else both signals count as one
             child.send_signal(signal.SIGTERM)
             sent = time.monotonic()
             said = child.communicate(timeout=GRACE_SECONDS)[1]
@@ -165,7 +165,7 @@ class SigtermTest(unittest.TestCase):
         for row in ROWS:
             with self.subTest(row.name):
                 whole, pauses = {}, (0.0,) if row.until else (0.2, 0.05, 0.0)
-                if row.keeps:  # others begin anew, as the first time
+                if row.keeps:  # other commands begin again, as in the first run
                     whole_out = self.out_of(row, "whole")
                     begin = time.monotonic()
                     self.prepare(*self.words_of(row.words, whole_out))
@@ -179,9 +179,9 @@ class SigtermTest(unittest.TestCase):
                     code, waited, said = self.stopped(row, out, pause)
                     self.assertIn(code, (0, 130), said)
                     self.assertLess(waited, GRACE_SECONDS / 4)
-                    if code == 130:  # otherwise all was done when the signal came
+                    if code == 130:  # else the run had ended before the signal
                         break
-                self.assertEqual(code, 130, "it had ended before it could be stopped")
+                self.assertEqual(code, 130, "the command ended before the signal")
                 self.assertIn("cancelled", said)
                 left = results(out)
                 for name in set(left) - there:
