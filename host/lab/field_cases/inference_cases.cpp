@@ -339,8 +339,8 @@ std::vector<NumericalCase> product_cases() {
        {},
        {{"filter_matrix_spmv", "float4 sum = (float4)(0.0f);", "float4 sum = y[row];"}}},
       {{"constant-textures", "pyramid_residual",
-        "for equal a and b, rounding of (1 - t) a + t b gives a constant texture a slope", "a + t (b - a) is computed",
-        kNothingWrong, "relative error", "the result must be exactly 0"},
+        "for equal a and b, rounding of (1 - t) a + t b gives a constant texture a slope",
+        "the kernel computes a + t (b - a) instead", kNothingWrong, "relative error", "the result must be exactly 0"},
        constant_textures,
        {{"pyramidal_regularization", "typedef struct MultumGather {",
          "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
@@ -386,7 +386,7 @@ std::vector<NumericalCase> inference_cases() {
   // The host computes the inverses: a kernel that replaces 0 by 1 / 0 behaves as it would without the guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that no pixel reads have a diagonal of 0, whose inverse is infinite",
-      "the inverse is set to 0, so these texels keep their start values", 1e-2, "absolute error of pixels",
+      "the inverse is set to 0, so unseen texels keep their start values", 1e-2, "absolute error of pixels",
       "the solver uses single precision and a gradient tolerance of 1e-6", singular_systems, {},
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
@@ -395,11 +395,11 @@ std::vector<NumericalCase> inference_cases() {
       "the solver uses single precision and a gradient tolerance of 1e-6", denormal_diagonals, {},
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
   add("unseen-texels", "texels that no pixel reads keep their start values, or become infinite or NaN",
-      "pyramidal regularisation fills these texels from the coarser level", 2e-3, "absolute error",
+      "pyramidal regularisation fills unseen texels from the coarser level", 2e-3, "absolute error",
       "the coarse levels have a condition number of about 1e3", unseen_texels,
       {{"pyramidal_regularization", "sum[texel] += weight * gathered;", ""}}, {});
   add("regularisation-to-0", "the smallest eigenvalues come from the regularisation, so steps leave the allowed range",
-      "the gradient ends Newton steps, and bounds limit them", 2e-3, "absolute error",
+      "the gradient decides when Newton steps stop, and bounds limit the steps", 2e-3, "absolute error",
       "the coarse levels have a condition number of about 1e3", vanishing_regularisation,
       {{"conjugate_gradient", "is_free[i] * (q[i] + diagonal[i] * p[i])", "(q[i] + diagonal[i] * p[i])"}}, {});
   add("contrast-of-1e6", "rounding errors of bright texels exceed the values of dark texels",

@@ -208,7 +208,7 @@ std::vector<NumericalCase> one_lobe_cases() {
       lobes_beyond_1,
       {edit("MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f))",
             "MAX_V(sqrt(2.0f * (middle + radius)), least)")});
-  add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction, and normalising it divides by zero",
+  add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction, and its normalisation divides by zero",
       "the lobe points straight up", no_mean_normal,
       {edit("*z = usable ? *z * inverse : (real_v)(1.0f);", "*z = *z * inverse;")});
   return cases;

@@ -166,8 +166,8 @@ std::vector<GlslCase> glsl_harmonic_cases() {
   return {
       {{"glsl-harmonics-of-opposite-tilts", file,
         "the sum must be correct at the poles, and for directions and means that are not unit vectors",
-        "no guard is needed, because the series handles these inputs", 2e-5, "of the peak of one tilt",
-        "the error of the basis counts twice, in proportion to a_l"},
+        "no guard is needed, because the series handles poles and vectors of any length", 2e-5,
+        "of the peak of one tilt", "the error of the basis counts twice, in proportion to a_l"},
        {glsl_edit("float rotated = c * w.x - s * w.y;", "float rotated = c * w.x;")},
        harmonics_of_opposite_tilts,
        {"multum_sh_coefficient", "multum_sh_bands", "multum_sh_facets", "multum_sh_lambert"}},

@@ -327,7 +327,8 @@ std::vector<GlslCase> sample_cases() {
   const std::string file = "environment_samples.glsl";
   return {
       {{"glsl-densities-at-their-ends", file, "a density is divided by v.h = 0", "v.h is at least 1e-6", 2e-2,
-        "of the peak, or absolute", "1 - n.h^2 is rounded in float, compared with the highlight's width at s = 1e5"},
+        "of the peak, or absolute error",
+        "1 - n.h^2 is rounded in float, compared with the highlight's width at s = 1e5"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
        {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
@@ -337,7 +338,7 @@ std::vector<GlslCase> sample_cases() {
        {glsl_edit("sqrt(max(1.0 - cosine * cosine, 0.0))", "sqrt(1.0 - cosine * cosine)")},
        directions_at_the_pole,
        {"multum_direction"}},
-      {{"glsl-a-sample-straight-behind", file, "l = -v has no half vector, and normalising it divides by zero",
+      {{"glsl-a-sample-straight-behind", file, "l = -v has no half vector, and its normalisation divides by zero",
         "the divisor is at least 1e-6, so the half vector is 0 and highlights stay finite", 1e-5, "absolute error",
         "n and h are rounded by 6e-8, and the exponent is 10"},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
@@ -350,7 +351,7 @@ std::vector<GlslCase> sample_cases() {
 std::vector<GlslCase> light_cases() {
   return {
       {{"glsl-light-straight-behind", "lights.glsl, reflection.glsl",
-        "l = -v has no half vector, and normalising it divides by zero",
+        "l = -v has no half vector, and its normalisation divides by zero",
         "the divisor is at least 1e-6, so the half vector is 0 and highlights stay finite", 1e-5, "absolute error",
         "n and h are rounded by 6e-8, and the exponent is 20"},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},

@@ -321,8 +321,8 @@ void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstE
 }
 
 std::vector<GlslCase> environment_cases() {
-  const std::string none = "an empty material reflects light from everywhere, or gives NaN", unit = "absolute error",
-                    reason = "a filter with nine weights averages equal texels";
+  const std::string none = "an empty material reflects light from all directions, or gives NaN",
+                    unit = "absolute error", reason = "a filter with nine weights averages equal texels";
   return {
       {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "lobes with amplitudes up to 1e-6 are ignored", 1e-4, unit,
         reason},
@@ -351,7 +351,7 @@ std::vector<GlslCase> environment_cases() {
 std::vector<GlslCase> glsl_surface_cases() {
   const std::string
       unit = "absolute error",
-      behind = "light from exactly behind and empty materials divide 0 by 0",
+      behind = "light from exactly behind, or an empty material, divides 0 by 0",
       reason = "errors of 6e-8 in n and h grow with the exponent of 16, and visibility is divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
