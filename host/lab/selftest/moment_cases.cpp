@@ -218,7 +218,7 @@ SourceEdit moment_shade_edit(const std::string& text, const std::string& replace
 }
 
 std::vector<NumericalCase> finest_cases() {
-  const char* const kUnit = "relative error above 1, absolute error below 1";
+  const char* const kUnit = "relative error of values above 1, and absolute error of values below 1";
   return {
       {{"slopes-at-the-horizon", "moment_finest",
         "a slope at the horizon divides by zero, and the mean slope is infinite",

@@ -169,7 +169,7 @@ void points_of_no_width(const GlFunctions& gl, const Edits& edits, WorstError& w
 std::vector<GlslCase> glsl_filter_cases() {
   const std::string file = "texture_filter.glsl";
   return {
-      {{"glsl-level-of-no-extent", "pyramid.glsl", "coordinates that do not change give the logarithm of 0",
+      {{"glsl-level-of-no-extent", "pyramid.glsl", "if coordinates do not change, the level is the logarithm of 0",
         "the squared length is at least 1e-30", 1e-4, "absolute error of the level", "the GL's log2 has a small error"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",
                   "max(dot(along_x, along_x), dot(along_y, along_y))")},

@@ -196,7 +196,7 @@ std::vector<GlslCase> gaussian_cases() {
        {"multum_gmm_mean", "multum_gmm_variance", "multum_gmm_facet_variance", "multum_gmm_density"}},
       {{"glsl-planar-means-beyond-the-rim", file,
         "z of a mean outside the unit circle is the root of a negative number", "the mean is moved to the equator",
-        1e-3, "absolute error", "a mean on the circle gives the root of 1.2e-7"},
+        1e-3, "absolute error", "for a mean on the circle, the error is the root of 1.2e-7"},
        {glsl_edit("sqrt(max(1.0 - dot(p, p), 0.0))", "sqrt(1.0 - dot(p, p))")},
        planar_means_beyond_the_rim,
        {"multum_gmm_lifted", "multum_gmm_lambert"}},
