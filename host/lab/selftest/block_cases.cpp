@@ -109,7 +109,7 @@ void indices_without_their_highest_bit(Device& device, WorstError& worst) {
 }  // namespace
 
 std::vector<NumericalCase> block_cases() {
-  const std::string unit = "of 255, root mean square";
+  const std::string unit = "root mean square error on a scale of 255";
   const auto scalar = [](Device& device, WorstError& worst) {
     one_value_in_all_texels(device, TexelFormat::kBc4, worst);
   };
@@ -117,13 +117,14 @@ std::vector<NumericalCase> block_cases() {
     one_value_in_all_texels(device, TexelFormat::kBc7, worst);
   };
   return {
-      {{"values-at-the-limits", "encode_scalar_blocks", "ends that reach 0 and 255 leave few values between them",
-        "blocks of six values with the limits are tried too", 0.3, unit + " over the least",
-        "the steps of the search, a fraction of the values' rounding"},
+      {{"values-at-the-limits", "encode_scalar_blocks", "endpoints that reach 0 and 255 leave few values between them",
+        "the encoder also tries blocks of six values, which contain 0 and 255 in addition to their endpoints", 0.3,
+        unit + ", above the lowest possible error", "the search steps are a fraction of the rounding of values"},
        values_at_the_limits,
        {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
-      {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped ends select the six-value mode",
-        "ends of eight values differ, and the larger comes first", 1e-3, unit, "the value itself is an end"},
+      {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped endpoints select the six-value mode",
+        "in eight-value blocks, endpoints differ, and the larger endpoint comes first", 1e-3, unit,
+        "the value itself is an endpoint"},
        scalar,
        {},
        {},
@@ -131,16 +132,17 @@ std::vector<NumericalCase> block_cases() {
          "put_bits(&bits, (uint)ends.low, 8);"},
         {"block_encoding", "put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);",
          "put_bits(&bits, (uint)ends.high, 8);"}}},
-      {{"one-colour-in-all-texels", "encode_colour_blocks", "texels without a spread have no principal axis",
-        "any direction is used", 1.0, unit, "ends of mode 6 are odd: alpha is 255"},
+      {{"one-colour-in-all-texels", "encode_colour_blocks", "equal texels have no principal axis",
+        "any direction is used", 1.0, unit, "endpoints of mode 6 are odd, because alpha is 255"},
        colour,
        {},
        {},
        {{"block_encoding", "if (length < 1e-6f) return (float4)", "if (length < -1.0f) return (float4)"},
         {"block_encoding", "return length < 1e-6f ? (float4)", "return length < -1.0f ? (float4)"}}},
       {{"indices-without-their-highest-bit", "encode_colour_blocks",
-        "the indices of the first texel and of a second line's first texel lose their highest bit",
-        "such lines change their ends", 2.0, unit, "steps of eight indices, over 60 of 255"},
+        "the highest index bit is not stored for the first texel of the block and of its second line",
+        "if the highest index bit is set, the line's endpoints are swapped", 2.0, unit,
+        "eight indices divide a range of 60 of 255"},
        indices_without_their_highest_bit,
        {{"block_encoding", "if (indices[anchor] <= last / 2) return 0;", "return 0;"}}},
   };

@@ -142,17 +142,17 @@ void choice_without_normals(Device& device, WorstError& worst) {
 }  // namespace
 
 std::vector<NumericalCase> choose_cases() {
-  return {
-      {{"choice-of-equal-normals", "movmf_choose",
-        "square root of a scatter that rounding leaves below 0: NaN is never the lowest cost",
-        "a width that is invisible in highlights is added under every root", kNothingWrong, "wrong amplitudes",
-        "every amplitude must be correct"},
-       choice_of_equal_normals,
-       {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
-      {{"choice-without-normals", "movmf_choose, movmf_feature_chosen", "the mean of a lobe without normals is 0/0",
-        "it keeps the parent's mean", 1e-6, "absolute, for the sum of a and a r, and for features", "four additions"},
-       choice_without_normals,
-       {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
+  return {{{"choice-of-equal-normals", "movmf_choose",
+            "rounding makes the scatter negative, and the NaN of its root is never the lowest cost",
+            "a width that highlights cannot show is added under every square root", kNothingWrong, "wrong amplitudes",
+            "every amplitude must be correct"},
+           choice_of_equal_normals,
+           {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
+          {{"choice-without-normals", "movmf_choose, movmf_feature_chosen",
+            "the mean of a lobe without normals divides 0 by 0", "the lobe keeps the mean of its parent", 1e-6,
+            "absolute error of features and of the sum of a and a r", "four additions are rounded"},
+           choice_without_normals,
+           {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
 }
 
 }  // namespace multum

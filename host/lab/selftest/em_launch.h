@@ -21,7 +21,7 @@ constexpr std::size_t kGroup = MULTUM_GROUP;
 
 /// Explains the bounds of EM's results.
 constexpr char kEmBoundReason[] =
-    "rounding of samples, 6e-8 per addition, times the growth of differences in EM, below 10";
+    "each addition of a sample rounds by 6e-8, and EM multiplies differences by less than 10";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // both sides get them rounded to float

@@ -218,15 +218,16 @@ SourceEdit moment_shade_edit(const std::string& text, const std::string& replace
 }
 
 std::vector<NumericalCase> finest_cases() {
-  const char* const kUnit = "relative above 1, absolute below";
+  const char* const kUnit = "relative error of values above 1, and absolute error of values below 1";
   return {
-      {{"slopes-at-the-horizon", "moment_finest", "a slope of x / 0 is infinite, and so is its mean",
-        "n_z is at least 0.05: slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum"},
+      {{"slopes-at-the-horizon", "moment_finest",
+        "a slope at the horizon divides by zero, and the mean slope is infinite",
+        "n_z is at least 0.05, so slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum are rounded"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
-      {{"shortened-normals-to-0", "moment_finest", "a normal of length 0 has a slope of 0 / 0",
-        "n_z is divided by a length of at least 1e-6; a variance below 0 counts as 0", 5e-7, kUnit,
-        "a root, a division, a square and a sum"},
+      {{"shortened-normals-to-0", "moment_finest", "the slope of a normal of length 0 divides 0 by 0",
+        "n_z is divided by a length of at least 1e-6, and negative variances count as 0", 5e-7, kUnit,
+        "a root, a division, a square and a sum are rounded"},
        shortened_normals,
        {{"moments", "slope_z_min * MAX_V(length, 1e-6f)", "slope_z_min * length"}}},
   };
@@ -241,35 +242,40 @@ std::vector<NumericalCase> moment_cases() {
                        const std::vector<SourceEdit>& mutation = {}) {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  add("slope-variance-below-0", "E[s^2] is below the square of E[s]: a negative determinant has no square root",
-      "variances of at least 0", 2e-6, "of the peak: the excess over it, or the depth below 0",
-      "a root, a division and an exponential", variance_below_0,
+  add("slope-variance-below-0", "E[s^2] is below the square of E[s], and a negative determinant has no square root",
+      "variances are at least 0", 2e-6, "of the peak, above the peak or below 0",
+      "a root, a division and an exponential are rounded", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
-  add("slopes-along-a-line", "the determinant of Sigma + I/s as a difference: with s = 1e5, no digit remains",
-      "1/s (1/s + trace) plus the determinant of Sigma, which is at least 0", 2e-6, "relative",
-      "a root, a division and four products", slopes_along_a_line,
+  add("slopes-along-a-line",
+      "computing the determinant of Sigma + I/s as a difference leaves no correct digit at s = 1e5",
+      "1/s (1/s + trace) is added to the determinant of Sigma, which is at least 0", 2e-6, "relative error",
+      "a root, a division and four products are rounded", slopes_along_a_line,
       {moment_shade_edit(
           "base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
           "0.0f)",
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
-  add("steep-slopes-under-sharp-highlights", "moments in half floats: steps of 0.25 at 400, where s = 1e5 needs 1e-5",
-      "32-bit moments; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+  add("steep-slopes-under-sharp-highlights",
+      "half floats have steps of 0.25 at 400, but moments at s = 1e5 need steps of 1e-5",
+      "moments have 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
       "relative to the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
-      "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each", steep_and_sharp, {},
+      "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
-  add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon: inf - inf",
-      "the result is 0 up to 1e-4 above the horizon", kNothingWrong,
-      "absolute, where the result must be 0; NaN anywhere", "no error is allowed", half_vectors_at_the_horizon,
-      {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
-  add("mean-normals-of-every-length", "lengths above 1: a gloss above 1 or below 0; length 0: 0 / 0",
-      "1 minus the spread, which is clamped to 0 and 1; any direction if there is none", 1e-5, "of the peak",
-      "6e-8 of mu and h, divided by the angle that the exponent resolves", toksvig_of_every_length,
+  add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon is infinity minus infinity",
+      "the result is 0 for half vectors up to 1e-4 above the horizon", kNothingWrong,
+      "absolute error where the result must be 0; NaN is an error everywhere", "no error is allowed",
+      half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
+  add("mean-normals-of-every-length",
+      "a length above 1 gives a gloss above 1 or below 0, and a length of 0 divides 0 by 0",
+      "the length is 1 minus a spread between 0 and 1; a mean without direction uses any direction", 1e-5,
+      "of the peak", "mu and h are rounded by 6e-8, compared with the angle that the exponent resolves",
+      toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
-  add("moments-of-no-share", "moments with share 0 have the same brightness as with share 1",
-      "shares at or below 1e-6 are not divisors; the result is multiplied by the share", 1e-5, "relative",
-      "a share of 1e-8 and 16/(2 pi)", no_share, {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
+  add("moments-of-no-share", "moments with share 0 are as bright as moments with share 1",
+      "shares up to 1e-6 are not used as divisors, and the result is multiplied by the share", 1e-5, "relative error",
+      "the share of 1e-8 and the factor 16/(2 pi) are rounded", no_share,
+      {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
   return cases;
 }
 

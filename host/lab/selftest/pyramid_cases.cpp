@@ -315,24 +315,26 @@ void light_from_behind(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> box_cases() {
-  const std::string same = "values wrong", none = "values are only copied";
+  const std::string same = "wrong values", none = "values are only copied";
   return {
-      {{"texels-keep-their-bits", "mip_texels", "work-items after the last texel write to other memory",
-        "bounds are checked first; values are only copied", kNothingWrong, same, none},
+      {{"texels-keep-their-bits", "mip_texels", "work-items beyond the last texel write outside the buffer",
+        "bounds are checked first, and values are only copied", kNothingWrong, same, none},
        texels_keep_their_bits,
        {{"mip_box", "if (item >= band.plane_count * band.row_count * band.map_width) return;", ""}}},
-      {{"features-keep-their-bits", "mip_features", "work-items after the last texel write to the next plane",
-        "bounds are checked first; values are only copied", kNothingWrong, same, none},
+      {{"features-keep-their-bits", "mip_features", "work-items beyond the last texel write into the next plane",
+        "bounds are checked first, and values are only copied", kNothingWrong, same, none},
        features_keep_their_bits,
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
       {{"blocks-of-32768-texels", "mip_blocks",
-        "32768 equal texels, added from left to right, round in the same direction",
-        "sums of two, of four, ...: 15 roundings", 1e-6, "of the sum of magnitudes", "15 * 6e-8"},
+        "adding 32768 equal texels from left to right always rounds in the same direction",
+        "texels are added in pairs, then pairs are added, and so on: 15 roundings", 1e-6, "of the sum of magnitudes",
+        "15 roundings add up to 15 * 6e-8"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
-      {{"average-of-2-30-texels", "mip_levels", "32768 roundings of a sum, each by half a unit in the last place",
-        "a compensated sum down the rows", 1.2e-7, "relative", "the last rounding, and that of the share"},
+      {{"average-of-2-30-texels", "mip_levels",
+        "the sum rounds 32768 times, by half a unit in the last place each time", "sums down the rows are compensated",
+        1.2e-7, "relative error", "only the share and the result are rounded"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
          "      sum += value;\n      continue;"}}},
@@ -348,17 +350,20 @@ std::vector<NumericalCase> pyramid_cases() {
     cases.push_back(
         {{name, "reflectance_texels", without, guard, bound, "of the brightest texel", reason}, run, edits});
   };
-  add("highlights-narrower-than-texels", "1 - n . h is rounded to 6e-8, which s = 1e5 multiplies",
-      "1 - n . h = |n - h|^2 / 2", 2e-5,
-      "6e-8 of n and of h, relative to |n - h|, which is about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
+  add("highlights-narrower-than-texels",
+      "1 - n . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
+      "1 - n . h is computed as |n - h|^2 / 2", 2e-5,
+      "n and h are rounded by 6e-8, compared with |n - h| of about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
   add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
-      "compensated sums", 5e-7, "a few roundings of a sample, for any number of samples", normals_of_a_texel,
+      "sums are compensated", 5e-7, "only a few roundings per sample remain, for any number of samples",
+      normals_of_a_texel,
       {{"reflectance_pyramid", "const float total = *sum + value;",
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
-  add("light-from-behind", "a surface that faces away from a light is darkened by it", "nothing where n . l <= 0", 1e-5,
-      "6e-8 of n and of h, relative to |n - h|, which is about 0.2 in a highlight of s = 50", light_from_behind,
+  add("light-from-behind", "a light darkens surfaces that face away from the light",
+      "light with n . l <= 0 adds nothing", 1e-5,
+      "n and h are rounded by 6e-8, compared with |n - h| of about 0.2 in a highlight of s = 50", light_from_behind,
       {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
   return cases;
 }

@@ -178,25 +178,27 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason = "2.3e-4 of the inverse of kappa, in the peak and in the exponent";
+  const char* kReason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
   return {
-      {{"exponents-to-1e5", "movmf_shade", "1 - mu . h is rounded to 6e-8, which s = 1e5 multiplies",
-        "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of small terms", 6e-4, "of the peak", kReason},
+      {{"exponents-to-1e5", "movmf_shade",
+        "1 - mu . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
+        "1 - mu . h is computed as |mu - h|^2 / 2, and q = 1 - A as a sum of small terms", 6e-4, "of the peak",
+        kReason},
        exponents_to_1e5,
        {shade_edit("return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
                    "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));")}},
       {{"the-horizon-and-below", "movmf_shade", "the power of a negative cosine lights surfaces that face away",
-        "0 where 1 - t >= 1", 6e-4, "of the peak", kReason},
+        "the result is 0 where 1 - t >= 1", 6e-4, "of the peak", kReason},
        horizon_and_below,
        {shade_edit("return e < 1.0f ?", "return true ?")}},
       {{"longer-than-its-amplitude", "movmf_shade",
-        "rounding leaves |a r| > a: the spread is negative, and so is kappa", "the spread is clamped to 0 and 1", 6e-4,
-        "of the peak", kReason},
+        "rounding makes |a r| larger than a, so the spread and kappa are negative",
+        "the spread is clamped to the range 0 to 1", 6e-4, "of the peak", kReason},
        longer_than_one,
        {shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                    "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")}},
-      {{"no-direction", "movmf_shade", "r = 0 is normalised: 0 / 0", "any direction: the result does not depend on it",
-        6e-4, "of the peak", kReason},
+      {{"no-direction", "movmf_shade", "normalising r = 0 divides by zero",
+        "any direction is used, because the result does not depend on the direction", 6e-4, "of the peak", kReason},
        no_mean_direction,
        {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
                    "const float inverse = 1.0f / length;")}},
@@ -209,23 +211,23 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "a lobe without normals is divided by its amplitude: 0 / 0, or light from a direction that is rounding error",
-        "lobes with an amplitude of at most 1e-6, a thirtieth of the smallest stored, are ignored", 6e-4,
-        "relative to the peak times the amplitude; 1 where the result must be 0",
-        "2.3e-4 of the inverse of kappa, in the peak and in the exponent"},
+        "an empty lobe is divided by its amplitude of 0, or reflects light from a direction that is rounding error",
+        "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
+        "relative to the peak times the amplitude; light that must be 0 counts as an error of 1",
+        "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
   cases.push_back({{"terms-of-either-sign", "movmf_shade",
-                    "a sum of vMFs of either sign can be below 0: negative light darkens its surroundings",
-                    "no lobe's sum is below 0", 6e-4, "relative to the sum of the terms' peaks",
-                    "2.3e-4 of the inverse of kappa, for every term"},
+                    "a sum of positive and negative vMFs can be below 0, and negative light darkens its surroundings",
+                    "the sum over the terms of a lobe is at least 0", 6e-4, "relative to the sum of the terms' peaks",
+                    "the inverse of kappa has an error of 2.3e-4 in every term"},
                    terms_of_either_sign,
                    {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back(
-      {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the shortcut of the paper, ignores the spread",
-        "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
-        "0.22 % of the model (tools/lab/fit_shading.py)"},
+      {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, ignores the spread",
+        "the mean of a folded normal distribution is used, which is exact at |r| = 1 and r = 0", 2.5e-3,
+        "absolute error", "the model has an error of 0.22 % (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});
   return cases;

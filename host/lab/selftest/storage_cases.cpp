@@ -110,23 +110,23 @@ void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, Worst
 std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string& name) {
   const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
   const std::string formula = "movmf_quantize",
-                    lost = "rounding each channel to its nearest value changes |r| by up to 1/a steps";
+                    lost = "rounding each channel separately changes |r| by up to 1/a steps";
   return {
-      {{name + "-single-directions", formula, lost + ": a highlight is blurred",
+      {{name + "-single-directions", formula, lost + ", which blurs a highlight",
         "the four values are rounded together; for a single direction, r never becomes shorter", 1e-7,
-        "absolute, of 1 - |r|", "no spread, except for the rounding of the float that holds it"},
+        "absolute error of 1 - |r|", "the spread must be 0, except for the rounding of its float"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
-      {{name + "-sharpest-spreads", formula, lost + ": more than the spread itself",
-        "the corner with the closest projection; lobes with kappa above the encoding's limit are counted and reported",
-        0.09, "relative, of 1 - |r|, mean over directions",
-        "at the limit, a direction loses a quarter at most (storage_kappa_max)"},
+      {{name + "-sharpest-spreads", formula, lost + ", more than the spread",
+        "the rounding with the closest projection is chosen; lobes above the encoding's kappa limit are reported", 0.09,
+        "mean relative error of 1 - |r| over directions",
+        "at the limit, a spread changes by at most a quarter (storage_kappa_max)"},
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
-      {{name + "-as-the-format-says", formula, "the texel differs from the rule of docs/reference/file_format.md",
-        "every way to round is tried, as the rule says", kNothingWrong, "wrong texels", "not a bit may differ"},
+      {{name + "-as-the-format-says", formula, "the stored texel breaks the rule of docs/reference/file_format.md",
+        "every possible rounding is tried, as the rule requires", kNothingWrong, "wrong texels", "no bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
        {},
        [=](WorstError& worst) { as_the_format_says(encoding, naive, worst); }},

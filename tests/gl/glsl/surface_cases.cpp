@@ -321,10 +321,10 @@ void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstE
 }
 
 std::vector<GlslCase> environment_cases() {
-  const std::string none = "an empty material shows light from everywhere, or NaN", unit = "absolute",
-                    reason = "a filter over equal texels with nine weights";
+  const std::string none = "an empty material reflects light from all directions, or gives NaN",
+                    unit = "absolute error", reason = "a filter with nine weights averages equal texels";
   return {
-      {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "amplitudes up to 1e-6 count as no lobe", 1e-4, unit,
+      {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "lobes with amplitudes up to 1e-6 are ignored", 1e-4, unit,
         reason},
        {},
        lobes_in_an_environment,
@@ -338,8 +338,8 @@ std::vector<GlslCase> environment_cases() {
        means_in_an_environment,
        {"multum_reflect_environment"}},
       {{"glsl-harmonics-in-an-environment", "sh.glsl", "a series of two bands is negative behind a strong light",
-        "the sum is at least 0; a share of 0 reflects nothing", 1e-4, unit,
-        "the error of the quadrature that gives the expected value"},
+        "the sum is at least 0, and a share of 0 reflects nothing", 1e-4, unit,
+        "the quadrature that gives the expected value has an error"},
        {glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        harmonics_in_an_environment,
        {"multum_reflect_environment", "multum_sh_irradiance"}},
@@ -349,23 +349,25 @@ std::vector<GlslCase> environment_cases() {
 }  // namespace
 
 std::vector<GlslCase> glsl_surface_cases() {
-  const std::string unit = "absolute", behind = "light from exactly behind, or an empty material: 0 / 0",
-                    reason = "n and h rounded by 6e-8, times exponents of 16; visibility divided by cosines near 0";
+  const std::string
+      unit = "absolute error",
+      behind = "light from exactly behind, or an empty material, divides 0 by 0",
+      reason = "errors of 6e-8 in n and h grow with the exponent of 16, and visibility is divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
-        "divisors are at least 1e-6; amplitudes up to 1e-6 count as no lobe", 2e-4, unit, reason},
+        "divisors are at least 1e-6, and lobes with amplitudes up to 1e-6 are ignored", 2e-4, unit, reason},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
-      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h is taken at the lobe's mean instead of near h",
-        "a direction between h and the mean; if the two cancel, the divisor is at least 1e-6", 1e-2, unit,
-        "the cosine model's error of 0.22 % for l and v, times a V above 1"},
+      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h is computed at the lobe's mean, not near h",
+        "n . h uses a direction between h and the mean; if the two cancel, the divisor is at least 1e-6", 1e-2, unit,
+        "the cosine model has an error of 0.22 % for l and v, and V exceeds 1"},
        {glsl_edit("multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent",
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
        {"multum_lobe_visibility"}},
-      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude",
-        "the divisor is at least 1e-6", 1e-3, unit, "the root of 1.2e-7 for a mean near the rim"},
+      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude of 0",
+        "the divisor is at least 1e-6", 1e-3, unit, "for a mean near the rim, the error is the root of 1.2e-7"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        single_normals_as_gaussians,
        {"multum_reflect", "multum_gmm_visibility"}},
@@ -374,18 +376,18 @@ std::vector<GlslCase> glsl_surface_cases() {
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
-      {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 has an infinite exponent: 1 / 0",
-        "exponents are at most a mirror's exponent", 1e-6, unit, "a variance of 1/2 rounded by 6e-8"},
+      {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 gives an infinite exponent",
+        "exponents are limited to the exponent of a mirror", 1e-6, unit, "a variance of 1/2 is rounded by 6e-8"},
        {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
        exponents_of_roughness,
        {"multum_exponent", "multum_slope_exponent"}},
-      {{"glsl-single-normals-as-harmonics", "sh.glsl", "the series rings: light is negative", "light is at least 0",
-        2e-5, unit, "a few products in float"},
+      {{"glsl-single-normals-as-harmonics", "sh.glsl", "the series oscillates and makes the light negative",
+        "light is at least 0", 2e-5, unit, "a few products are rounded in float"},
        {glsl_edit("return max(sum, 0.0);", "return sum;"), glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        single_normals_as_harmonics,
        {"multum_reflect"}},
-      {{"glsl-tangents-along-the-normal", "reflection.glsl", "a tangent along the normal, or of length 0: 0 / 0",
-        "any tangent at right angles to the normal", 2e-6, unit, "three roots and a cross product"},
+      {{"glsl-tangents-along-the-normal", "reflection.glsl", "a tangent along the normal or of length 0 divides 0 by 0",
+        "any tangent at right angles to the normal is used", 2e-6, unit, "three roots and a cross product are rounded"},
        {glsl_edit("if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))", "if (false)")},
        tangents_along_the_normal,
        {"multum_tangent_frame"}},
