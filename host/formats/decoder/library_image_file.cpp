@@ -78,8 +78,8 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   return image;
 }
 
-// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds a gAMA to two digits: "Gamma1.9" for 1.85 (tests/cli/odd_cases.py,
-// albedos).
+// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds a gAMA to two digits: "Gamma1.9" for 1.85
+// (tests/cli/odd_inputs/odd_cases.py, albedos).
 std::string colour_space_of(const OIIO::ImageSpec& spec, double gamma) {
   std::string name = spec.get_string_attribute("oiio:ColorSpace");
   return gamma > 0.0 && name.starts_with("Gamma") ? fmt::format("Gamma{:.9g}", gamma) : name;

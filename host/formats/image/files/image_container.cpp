@@ -254,9 +254,9 @@ constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
 
 std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
 
-// Refuses files that OpenImageIO 2.4.7 misreads without an error; each has a case in tests/cli/odd_cases.py. Colours
-// of inks and of Lab mean neither vectors nor light. OpenImageIO mixes up the bytes of 24-bit samples, and takes
-// signed integers of few bits for unsigned ones. It assumes 8 bits if the file states none, although the standard
+// Refuses files that OpenImageIO 2.4.7 misreads without an error; each has a case in tests/cli/odd_inputs/odd_cases.py.
+// Colours of inks and of Lab mean neither vectors nor light. OpenImageIO mixes up the bytes of 24-bit samples, and
+// takes signed integers of few bits for unsigned ones. It assumes 8 bits if the file states none, although the standard
 // means 1.
 void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
