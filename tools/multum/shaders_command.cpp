@@ -36,10 +36,11 @@ std::string javascript_module() {
   std::string numbers;
   for (const std::uint16_t half : ggx_lobe_table()) numbers += fmt::format("{}{}", numbers.empty() ? "" : ",", half);
   return fmt::format(
-      "// SPDX-License-Identifier: Apache-2.0 // Shading of multum's lobes for three.js, how textures of multum\n"
-      "export --lobes are fetched, and the table that // GGX takes: halves, RGBA, linear filter, clamped. export\n"
-      "const lobesGlsl = {}; export const lobeTextureGlsl = {} +\n"
-      "  {};\n"
+      "// SPDX-License-Identifier: Apache-2.0\n"
+      "// Shades multum's lobes in three.js, fetches textures of multum export --lobes, and contains the table that\n"
+      "// GGX needs: half floats, RGBA, linear filter, clamped.\n"
+      "export const lobesGlsl = {};\n"
+      "export const lobeTextureGlsl = {} +\n  {};\n"
       "export const ggxLobeTable = {{ width: {}, height: {}, data: new Uint16Array([{}]) }};\n",
       json_string(shading_files().at("multum_lobes.glsl")), json_string(fetching.at("common/texture_filter.glsl")),
       json_string(fetching.at("surface/lobes.glsl")), kGgxLobeTableSide, kGgxLobeTableSide, numbers);
