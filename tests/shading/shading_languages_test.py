@@ -350,9 +350,6 @@ class ShadingLanguagesTest(unittest.TestCase):
 
     def test_the_pages_fragments_compile(self):
         blocks = {"frag.glsl": "#version 330\n" + self.text("glsl") + self.page_block("glsl"),
-                  "array.glsl": "#version 330\n" + self.page_function("vec4 lobe_of") +
-                                "uniform sampler2DArray lobes;\nuniform mat4 columns;\nin vec2 uv;\nout vec4 colour;\n"
-                                "void main() { colour = lobe_of(lobes, uv, 3, columns, vec4(0.5)); }\n",
                   "drawn.glsl": "#version 330\n" + self.text("glsl") + self.page_function("vec4 drawn_normal") +
                                 "uniform sampler2D noise;\nin vec4 lobe;\nout vec4 normal;\n"
                                 "void main() { normal = drawn_normal(noise, vec4[4](lobe, lobe, lobe, lobe), 3.0); "
