@@ -332,8 +332,8 @@ void contrast_in_pixels(Device& device, WorstError& worst) {
 std::vector<NumericalCase> product_cases() {
   return {
       {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries keeps the old value of the output",
-        "each sum begins at 0, and blocks of 8 are padded with weight 0", 1e-6, "of the sum of magnitudes",
-        "21 products are added as a tree"},
+        "each sum begins at 0, and blocks of 8 entries are padded with entries of weight 0", 1e-6,
+        "of the sum of magnitudes", "21 products are added as a tree"},
        empty_and_uneven_rows,
        {},
        {},
@@ -345,18 +345,19 @@ std::vector<NumericalCase> product_cases() {
        {{"pyramidal_regularization", "typedef struct MultumGather {",
          "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
       {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
-        "weights of one quarter are correct only for powers of two",
+        "weights of one quarter are correct only for sizes that are powers of two",
         "tables give the weights of each column and each row", 2e-6, "absolute error of values up to 1",
         "sums of up to 9 x 9 products are rounded"},
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
       {{"parts-beyond-2-to-31", "curvature_product",
-        "the product of texels and parts overflows, so parts contain wrong texels or none", "integers have 64 bits",
-        1e-6, "of the sum of magnitudes", "each part rounds 16 additions, and parts are added in double precision"},
+        "the product of the numbers of texels and parts overflows, so parts contain wrong texels or no texels",
+        "integers have 64 bits", 1e-6, "of the sum of magnitudes",
+        "each part rounds 16 additions, and parts are added in double precision"},
        products_of_many_parts,
        {{"conjugate_gradient", "(((long)texel_count * part) / part_count)", "((texel_count * part) / part_count)"}}},
       {{"parts-without-texels", "advance_residual", "a part without texels keeps the old value of the output",
-        "sums begin at 0", 1e-5, "relative error", "the difference of 1000 q and r is squared"},
+        "sums begin at 0", 1e-5, "relative error", "the difference between 1000 q and r is squared"},
        parts_without_texels,
        {},
        {},
@@ -385,13 +386,13 @@ std::vector<NumericalCase> inference_cases() {
   };
   // The host computes the inverses: a kernel that replaces 0 by 1 / 0 behaves as it would without the guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
-  add("singular-systems", "texels that no pixel reads have a diagonal of 0, whose inverse is infinite",
+  add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",
       "the inverse is set to 0, so unseen texels keep their start values", 1e-2, "absolute error of pixels",
       "the solver uses single precision and a gradient tolerance of 1e-6", singular_systems, {},
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
-  add("denormal-diagonals", "the inverse of a denormal diagonal is infinite, and its product with 0 is NaN",
-      "a diagonal below the smallest normal number counts as 0", 1e-2, "absolute error of pixels",
+  add("denormal-diagonals", "the inverse of a denormal diagonal entry is infinite, and its product with 0 is NaN",
+      "diagonal entries below the smallest normal number count as 0", 1e-2, "absolute error of pixels",
       "the solver uses single precision and a gradient tolerance of 1e-6", denormal_diagonals, {},
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
   add("unseen-texels", "texels that no pixel reads keep their start values, or become infinite or NaN",

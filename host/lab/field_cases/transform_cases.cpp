@@ -158,7 +158,7 @@ std::vector<NumericalCase> transform_cases() {
          "y = block / columns * side + item % side;"}}},
       {{"lines-shorter-than-filters", "wavelet_lift",
         "in lines of fewer than five samples, mirrored indices are still outside the line",
-        "indices are first reduced by the period, so that mirroring repeats", 1e-6, unit,
+        "indices are first reduced modulo the period, as if the line were mirrored repeatedly", 1e-6, unit,
         "each of the four lifting steps doubles the rounding error"},
        lines_shorter_than_filters,
        {{"image_transform", "i = i % period;", ""}}},

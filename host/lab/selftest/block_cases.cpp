@@ -119,7 +119,8 @@ std::vector<NumericalCase> block_cases() {
   return {
       {{"values-at-the-limits", "encode_scalar_blocks", "endpoints that reach 0 and 255 leave few values between them",
         "the encoder also tries blocks of six values, which contain 0 and 255 in addition to their endpoints", 0.3,
-        unit + ", above the lowest possible error", "the search steps are a fraction of the rounding of values"},
+        unit + ", in excess of the lowest possible error",
+        "the search steps are smaller than the rounding error of values"},
        values_at_the_limits,
        {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
       {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped endpoints select the six-value mode",
@@ -140,9 +141,9 @@ std::vector<NumericalCase> block_cases() {
        {{"block_encoding", "if (length < 1e-6f) return (float4)", "if (length < -1.0f) return (float4)"},
         {"block_encoding", "return length < 1e-6f ? (float4)", "return length < -1.0f ? (float4)"}}},
       {{"indices-without-their-highest-bit", "encode_colour_blocks",
-        "the highest index bit is not stored for the first texel of the block and of its second line",
-        "if the highest index bit is set, the line's endpoints are swapped", 2.0, unit,
-        "eight indices divide a range of 60 of 255"},
+        "the highest index bit of each subset's anchor texel is not stored",
+        "if the highest index bit is set, the endpoints of the subset are swapped", 2.0, unit,
+        "only eight indices cover a range of 60, on a scale of 255"},
        indices_without_their_highest_bit,
        {{"block_encoding", "if (indices[anchor] <= last / 2) return 0;", "return 0;"}}},
   };

@@ -221,11 +221,11 @@ std::vector<NumericalCase> finest_cases() {
   const char* const kUnit = "relative error of values above 1, and absolute error of values below 1";
   return {
       {{"slopes-at-the-horizon", "moment_finest",
-        "a slope at the horizon divides by zero, and the mean slope is infinite",
+        "computing a slope at the horizon divides by zero, and the mean slope is infinite",
         "n_z is at least 0.05, so slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum are rounded"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
-      {{"shortened-normals-to-0", "moment_finest", "the slope of a normal of length 0 divides 0 by 0",
+      {{"shortened-normals-to-0", "moment_finest", "computing the slope of a normal of length 0 divides 0 by 0",
         "n_z is divided by a length of at least 1e-6, and negative variances count as 0", 5e-7, kUnit,
         "a root, a division, a square and a sum are rounded"},
        shortened_normals,
@@ -243,7 +243,7 @@ std::vector<NumericalCase> moment_cases() {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
   add("slope-variance-below-0", "E[s^2] is below the square of E[s], and a negative determinant has no square root",
-      "variances are at least 0", 2e-6, "of the peak, above the peak or below 0",
+      "variances are at least 0", 2e-6, "of the peak, by which a value exceeds the peak or falls below 0",
       "a root, a division and an exponential are rounded", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
@@ -257,16 +257,16 @@ std::vector<NumericalCase> moment_cases() {
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
   add("steep-slopes-under-sharp-highlights",
       "half floats have steps of 0.25 at 400, but moments at s = 1e5 need steps of 1e-5",
-      "moments have 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+      "moments are stored in 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
       "relative to the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
       "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon is infinity minus infinity",
-      "the result is 0 for half vectors up to 1e-4 above the horizon", kNothingWrong,
+      "the result is 0 for half vectors with z up to 1e-4", kNothingWrong,
       "absolute error where the result must be 0; NaN is an error everywhere", "no error is allowed",
       half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length",
-      "a length above 1 gives a gloss above 1 or below 0, and a length of 0 divides 0 by 0",
+      "a length above 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
       "the length is 1 minus a spread between 0 and 1; a mean without direction uses any direction", 1e-5,
       "of the peak", "mu and h are rounded by 6e-8, compared with the angle that the exponent resolves",
       toksvig_of_every_length,

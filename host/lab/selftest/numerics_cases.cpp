@@ -210,8 +210,8 @@ std::vector<NumericalCase> exponential_cases() {
         "the polynomial and its rounding add 2.2e-7"},
        exp2_below_range,
        {probe_edit("exp2_in_range_v(MAX_V(x, (real_v)(-126.0f)))", "exp2_in_range_v(x)")}},
-      {{"log2-of-every-normal", "device/numerics.clh", "a mantissa between 1 and 2 leaves the range of the series",
-        "the mantissa is between sqrt(1/2) and sqrt(2)", 1.0, "times 5e-7 + 6e-8 |log2 x|",
+      {{"log2-of-every-normal", "device/numerics.clh", "a mantissa between 1 and 2 exceeds the range of the series",
+        "the mantissa is kept between sqrt(1/2) and sqrt(2)", 1.0, "times (5e-7 + 6e-8 |log2 x|)",
         "the series has an absolute error, and rounding adds half a unit in the last place"},
        log2_of_normals,
        {},
@@ -229,14 +229,14 @@ std::vector<NumericalCase> exponential_cases() {
 std::vector<NumericalCase> kappa_cases() {
   return {
       {{"kappa-of-mean-length-12-decades", "device/vmf.clh",
-        "Banerjee's (3r - r^3)/(1 - r^2) has an error of several per cent, and 1 - r^2 cancels",
-        "r G(r)/(1 - r) is used, where G has degree 10; the caller computes 1 - r from small terms", 4e-5,
-        "relative error", "the polynomial has an error of 3.3e-5"},
+        "Banerjee's approximation (3r - r^3)/(1 - r^2) has an error of several per cent, and 1 - r^2 cancels",
+        "r G(r)/(1 - r) is used, where the polynomial G has degree 10; the caller computes 1 - r from small terms",
+        4e-5, "relative error", "the polynomial has an error of 3.3e-5"},
        kappa_of_mean_length,
        {probe_edit("return r * g / spread;", "return r * (3.0f - r * r) / (1.0f - r * r);")}},
       {{"log-peak-to-the-cap", "device/vmf.clh", "kappa / (exp(kappa) - exp(-kappa)) overflows above kappa 89",
         "kappa / (1 - exp(-2 kappa)) does not overflow; EM keeps kappa above 0.05, where nothing cancels", 4e-6,
-        "absolute error of log2", "rounding adds half a unit in the last place at 20, and 6e-8 / 0.095 at kappa 0.05"},
+        "absolute error of log2", "rounding adds half a unit in the last place of 20, and 6e-8 / 0.095 at kappa 0.05"},
        log_peak,
        {probe_edit("return log2_v(amplitude * kappa / (1.0f - exp2_v(kappa * (-2.0f * MULTUM_LOG2E))));",
                    "return log2(amplitude * kappa / (exp(kappa) - exp(-kappa))) + kappa * MULTUM_LOG2E;")}},
@@ -253,7 +253,7 @@ std::vector<NumericalCase> kappa_cases() {
        {probe_edit("max(q * (2.0f - q), 1e-12f)", "(q * (2.0f - q))")}},
       {{"vmf-normaliser-12-decades", "device/vmf_shading.clh", "kappa / (1 - exp(-2 kappa)) divides 0 by 0 at kappa 0",
         "(1 + kappa) / 2 is used below kappa 1e-3", 1e-4, "relative error",
-        "exp2 is rounded near 1, which gives 6e-8 / 2e-3 where the branch begins"},
+        "exp2 near 1 is rounded by 6e-8, which is divided by 2e-3 where the branch begins"},
        vmf_peak,
        {probe_edit("const float scale = kappa > 1e-3f ? kappa", "const float scale = true ? kappa")}},
       {{"vmf-spread-12-decades", "device/vmf_shading.clh", "1/kappa - 2/(exp(2 kappa) - 1) cancels if kappa is near 0",
@@ -276,20 +276,20 @@ std::vector<NumericalCase> numerics_cases() {
   for (NumericalCase& c : kappa_cases()) cases.push_back(std::move(c));
   cases.push_back({{"driver-keeps-nan", "probe_functions",
                     "with -cl-finite-math-only, isnan() is false for every NaN, so guards do nothing",
-                    "no compiler option relaxes mathematics (host/formats/opencl/build_options)", kNothingWrong,
-                    "wrong answers", "every answer must be correct"},
+                    "no compiler option relaxes floating-point rules (host/formats/opencl/build_options)",
+                    kNothingWrong, "wrong answers", "every answer must be correct"},
                    nan_guards,
                    {},
                    {},
                    {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
-  cases.push_back(
-      {{"driver-lays-structs-out-alike", "probe_layout", "every field after a gap is read from the wrong position",
-        "structs contain only ints and floats, never float3, bool or size_t", kNothingWrong, "bytes of difference",
-        "host and device must use the same offsets"},
-       struct_layouts_agree,
-       {},
-       {},
-       {probe_edit("int first_row;\n", "long first_row;\n")}});
+  cases.push_back({{"driver-lays-structs-out-alike", "probe_layout",
+                    "every struct field after a padding gap is read from the wrong offset",
+                    "structs contain only ints and floats, never float3, bool or size_t", kNothingWrong,
+                    "bytes of difference", "host and device must use the same offsets"},
+                   struct_layouts_agree,
+                   {},
+                   {},
+                   {probe_edit("int first_row;\n", "long first_row;\n")}});
   return cases;
 }
 

@@ -81,9 +81,9 @@ void opposite_lobes_beside(Device& device, WorstError& worst) {
 }  // namespace
 
 std::vector<NumericalCase> refine_cases() {
-  return {{{"refined-lobes-without-direction", "movmf_refine", "the peak of a lobe with kappa 0 divides 0 by 0",
-            "kappa is at least 0.05", 2e-3, "absolute error of a and a r",
-            "the polynomial for kappa has an error of 3e-5 in each of ten damped steps"},
+  return {{{"refined-lobes-without-direction", "movmf_refine",
+            "computing the peak of a lobe with kappa 0 divides 0 by 0", "kappa is at least 0.05", 2e-3,
+            "absolute error of a and a r", "the polynomial for kappa has an error of 3e-5 in each of ten damped steps"},
            lobe_without_direction,
            {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
              "kappa_of_mean_length(mean, spread)"}}},

@@ -265,7 +265,7 @@ SourceEdit direction_edit(const std::string& text, const std::string& replacemen
 }  // namespace
 
 std::vector<NumericalCase> sh_cases() {
-  const std::string unit = "relative to the largest value in its band";
+  const std::string unit = "relative to the largest value in the band";
   const std::string reason = "1 - z^2 has an error of 6e-8 l^2 / 2 near a pole, and the recurrence has 20 steps";
   return {
       {{"harmonics-to-order-20", "sh_project", "(l + m)! and P_lm overflow: 40! exceeds the range of a float",
@@ -274,18 +274,18 @@ std::vector<NumericalCase> sh_cases() {
        {},
        textbook_basis},
       {{"harmonics-at-the-poles", "sh_project", "x / sin theta divides 0 by 0 at the poles",
-        "(x + iy)^m contains the factor sin^m, so nothing is divided", 1e-5, unit, reason},
+        "(x + iy)^m contains the factor sin^m, so no division is needed", 1e-5, unit, reason},
        poles,
        {},
        divided_by_sine},
       {{"harmonics-of-vectors-not-unit", "sh_project",
-        "(x + iy)^20 overflows for long vectors, and squares of 1e-30 are 0",
+        "(x + iy)^20 overflows for long vectors, and squares of 1e-30 underflow to 0",
         "vectors are scaled by their largest component and then normalised", 1e-5, unit, reason},
        not_unit,
        {direction_edit("const float3 scaled = (float3)(x / largest, y / largest, z / largest);",
                        "return (float3)(x, y, z);\n  const float3 scaled = (float3)(x, y, z);")}},
       {{"harmonics-of-no-direction", "sh_project", "a normal of length 0 makes every coarser texel NaN",
-        "normals of length 0 point up", 1e-6, unit, "the direction is a pole, where z and 1 are exact"},
+        "normals of length 0 are treated as pointing up", 1e-6, unit, "the direction is a pole, where z is exactly 1"},
        no_direction,
        {direction_edit("if (!(largest > 0.0f && largest < INFINITY) || isnan(x + y + z))", "if (0)")}},
       {{"harmonics-of-rough-normals", "sh_project", "upward recurrence for the zonal coefficients of a vMF cancels",

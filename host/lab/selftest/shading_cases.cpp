@@ -178,7 +178,7 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
+  const char* kReason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   return {
       {{"exponents-to-1e5", "movmf_shade",
         "1 - mu . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
@@ -211,10 +211,11 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "an empty lobe is divided by its amplitude of 0, or reflects light from a direction that is rounding error",
+        "an empty lobe is divided by its amplitude of 0, or reflects light from a direction that is only rounding "
+        "error",
         "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
         "relative to the peak times the amplitude; light that must be 0 counts as an error of 1",
-        "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent"},
+        "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});

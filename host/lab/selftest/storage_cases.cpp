@@ -114,11 +114,11 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
   return {
       {{name + "-single-directions", formula, lost + ", which blurs a highlight",
         "the four values are rounded together; for a single direction, r never becomes shorter", 1e-7,
-        "absolute error of 1 - |r|", "the spread must be 0, except for the rounding of its float"},
+        "absolute error of 1 - |r|", "the spread must be 0, except for float rounding"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
-      {{name + "-sharpest-spreads", formula, lost + ", more than the spread",
+      {{name + "-sharpest-spreads", formula, lost + ", which is more than the spread",
         "the rounding with the closest projection is chosen; lobes above the encoding's kappa limit are reported", 0.09,
         "mean relative error of 1 - |r| over directions",
         "at the limit, a spread changes by at most a quarter (storage_kappa_max)"},

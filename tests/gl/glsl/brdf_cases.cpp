@@ -473,9 +473,10 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
 std::vector<GlslCase> facet_cases() {
   const std::string longer = "a lobe longer than its amplitude makes the highlight narrower than the BRDF allows",
                     unit = "of the peak; the errors of V and F are absolute",
-                    reason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
+                    reason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   const SourceEdit unclamped = glsl_unclamped_spread();
-  const std::string of_all_directions = "if normals are spread evenly over all directions, |r| / kappa divides 0 by 0";
+  const std::string of_all_directions =
+      "if normals are spread evenly over all directions, computing |r| / kappa divides 0 by 0";
   const SourceEdit a_third = glsl_edit("r > 1e-3 ? r / kappa : 1.0 / 3.0", "r / kappa");
   return {
       {{"glsl-facets-of-blinn-phong", "blinn_phong.glsl", longer, "the spread is clamped to the range 0 to 1", 6e-4,
@@ -536,9 +537,11 @@ std::vector<GlslCase> facet_cases() {
        highlights_of_hard_lobes,
        {"multum_lobe_highlight"}},
       {{"glsl-measured-tables-at-their-ends", "measured.glsl",
-        "the arc cosine of 1.0001 is undefined, and an index exceeds the table",
-        "v . h is clamped to the range 0 to 1, and indices to the table; facets that face away reflect nothing", 3e-2,
-        "absolute error of the index", "the GL's arc functions have errors of 5e-4, and one radian has 57 indices"},
+        "the arc cosine of 1.0001 is undefined, and a table index is out of range",
+        "v . h is clamped to the range 0 to 1, and indices are clamped to the table; facets that face away reflect "
+        "nothing",
+        3e-2, "absolute error of the index",
+        "the GL's arc functions have errors of 5e-4, and one radian spans 57 indices"},
        {glsl_edit("acos(clamp(v_h, 0.0, 1.0))", "acos(v_h)")},
        measured_tables,
        {"multum_facets", "multum_fresnel"}},
@@ -564,7 +567,7 @@ std::vector<GlslCase> glsl_brdf_cases() {
        {"multum_smith_visibility"}},
       {{"glsl-grooves-at-grazing-angles", "cook_torrance.glsl",
         "dividing by a cosine of 0 gives infinity, which is multiplied by 0",
-        "the divisors are the product of the cosines, at least 1e-8, and the larger cosine, at least 1e-4", 2e-6,
+        "the divisors are the product of the cosines (at least 1e-8) and the larger cosine (at least 1e-4)", 2e-6,
         "absolute error", "three products are rounded in float"},
        {},
        groove_grazing,
@@ -591,7 +594,7 @@ std::vector<GlslCase> glsl_brdf_cases() {
       {{"glsl-terms-of-every-spread", "terms.glsl",
         "1 - A of the convolution cancels if it is computed as 1 - |r| A(lambda)",
         "d + (1 - d) q is computed, which is a sum of small terms", 6e-4, "of the peak",
-        "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent"},
+        "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent"},
        {glsl_edit("d + (1.0 - d) * term_spread", "1.0 - (1.0 - d) * (1.0 - term_spread)")},
        terms_of_every_spread,
        {"multum_term"}},

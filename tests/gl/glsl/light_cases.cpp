@@ -327,8 +327,7 @@ std::vector<GlslCase> sample_cases() {
   const std::string file = "environment_samples.glsl";
   return {
       {{"glsl-densities-at-their-ends", file, "a density is divided by v.h = 0", "v.h is at least 1e-6", 2e-2,
-        "of the peak, or absolute error",
-        "1 - n.h^2 is rounded in float, compared with the highlight's width at s = 1e5"},
+        "of the peak, or absolute error", "1 - n.h^2 is rounded in float, and the highlight is very narrow at s = 1e5"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
        {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
@@ -394,7 +393,7 @@ std::vector<GlslCase> glsl_light_cases() {
        table_at_its_ends,
        {"multum_reflection_entry"}},
       {{"glsl-environment-levels-at-their-ends", "environment_levels.glsl",
-        "a spread beyond the spreads of all levels selects a level that does not exist",
+        "a spread outside the range of all levels selects a level that does not exist",
         "the share is clamped to the range 0 to 1", 1e-5, "absolute error of the level",
         "a difference and a quotient are rounded"},
        {glsl_edit("clamp((spread - low) / (u_level_spreads[k + 1] - low), 0.0, 1.0)",
@@ -410,7 +409,7 @@ std::vector<GlslCase> glsl_light_cases() {
        {"multum_environment_lobe", "multum_environment_specular", "multum_term_light"}},
       {{"glsl-environment-harmonics-of-no-light", "environment_sh.glsl", "a weight of 0 is used as a divisor",
         "the divisor is at least 1e-6", 5e-4, "absolute error",
-        "the inverse of kappa has an error of 2.3e-4, in eight bands"},
+        "the inverse of kappa has an error of 2.3e-4, in each of eight bands"},
        {glsl_edit("weight / max(plain, 1e-6)", "weight / plain")},
        harmonics_of_half_vectors,
        {"multum_half_vector_light", "multum_environment_specular"}},

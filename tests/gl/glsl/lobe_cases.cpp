@@ -293,7 +293,7 @@ std::vector<GlslCase> function_cases() {
        {"multum_vmf_kappa"}},
       {{"glsl-vmf-normaliser-12-decades", file, "kappa / (1 - exp(-2 kappa)) divides 0 by 0 at kappa 0",
         "(1 + kappa) / 2 is used below kappa 1e-3", 1e-4, "relative error",
-        "exp is rounded near 1, which gives 6e-8 / 2e-3 where the branch begins"},
+        "exp near 1 is rounded by 6e-8, which is divided by 2e-3 where the branch begins"},
        {glsl_edit("kappa > 1e-3 ?", "true ?")},
        normaliser,
        {"multum_vmf_density"}},
@@ -310,7 +310,7 @@ std::vector<GlslCase> function_cases() {
        normal_map_share,
        {"multum_normal_map_share"}},
       {{"glsl-magnified-normal-map", file,
-        "dividing normals that cancel gives NaN, and the variance grows by more than the filter's loss",
+        "normalising a sum of normals that cancel gives NaN, and the variance grows by more than the filter's loss",
         "means shorter than 1e-6 stay unchanged, and the variance grows at most by the filter's loss", 1e-6,
         "absolute error", "a length and two quotients are rounded"},
        {glsl_edit("if (size <= MULTUM_AMPLITUDE_MIN) return lobe;", ""), glsl_edit("min(map_lod, 0.5)", "map_lod")},
@@ -328,7 +328,7 @@ std::vector<GlslCase> function_cases() {
 
 std::vector<GlslCase> lobe_cases() {
   const std::string file = "movmf_shading.glsl",
-                    reason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
+                    reason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   return {
       {{"glsl-exponents-to-1e5", "movmf_shading.glsl, blinn_phong.glsl",
         "1 - mu . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
@@ -364,7 +364,7 @@ std::vector<GlslCase> lobe_cases() {
        papers_rule,
        {"multum_movmf_blinn_phong_paper"}},
       {{"glsl-torrance-sparrow-of-every-sigma", "torrance_sparrow.glsl",
-        "1 - 1/kappa_f is a wrong mean cosine for rough facets",
+        "1 - 1/kappa_f is the wrong mean cosine for rough facets",
         "both terms of A are used; the exponent is at most 80, where the second term vanishes", 6e-4, "of the peak",
         reason},
        {glsl_edit("1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0)", "1.0 / kappa")},

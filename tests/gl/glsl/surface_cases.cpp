@@ -332,8 +332,8 @@ std::vector<GlslCase> environment_cases() {
        {glsl_edit("reflection.specular = lobe.w * multum_environment_specular(mu, d, v);",
                   "reflection.specular = multum_environment_specular(mu, d, v);"),
         glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;", "")}},
-      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 counts as no material", 1e-4,
-        unit, reason},
+      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 counts as an empty material",
+        1e-4, unit, reason},
        {glsl_edit("if (length(mean) <= MULTUM_MEAN_MIN) return", "if (false) return")},
        means_in_an_environment,
        {"multum_reflect_environment"}},
@@ -351,7 +351,7 @@ std::vector<GlslCase> environment_cases() {
 std::vector<GlslCase> glsl_surface_cases() {
   const std::string
       unit = "absolute error",
-      behind = "light from exactly behind, or an empty material, divides 0 by 0",
+      behind = "light from exactly behind or an empty material causes a division of 0 by 0",
       reason = "errors of 6e-8 in n and h grow with the exponent of 16, and visibility is divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
@@ -372,7 +372,7 @@ std::vector<GlslCase> glsl_surface_cases() {
        single_normals_as_gaussians,
        {"multum_reflect", "multum_gmm_visibility"}},
       {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon makes the highlight negative",
-        "cosines are at least 0; a mean shorter than 1e-12 counts as no material", 2e-5, unit, reason},
+        "cosines are at least 0; a mean shorter than 1e-12 counts as an empty material", 2e-5, unit, reason},
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
