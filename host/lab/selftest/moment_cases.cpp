@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and by LEAN
-// (moment_shade.cl, device/moment_shading.clh): normals at the horizon, variances that are differences of nearly equal
-// numbers, divisions by 0.
+// Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and LEAN
+// (moment_shade.cl, device/moment_shading.clh). The inputs contain normals at the horizon, variances that are
+// differences of nearly equal numbers, and divisors of 0.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ namespace {
 
 double wide(float value) { return static_cast<double>(value); }
 
-// Relative errors above 1, absolute errors below.
+// Adds relative errors for values above 1, and absolute errors for values below 1.
 void add_finest(Device& device, const std::vector<glm::vec3>& normals, bool shortened, WorstError& worst) {
   const std::vector<std::vector<float>> found = finest_moments(device, normals, shortened);
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -85,7 +85,7 @@ void slopes_at_the_horizon(Device& device, WorstError& worst) {
   add_finest(device, normals, true, worst);
 }
 
-// Lengths from 0 to slightly above 1, from rounding.
+// Tests normals with lengths from 0 to above 1.
 void shortened_normals(Device& device, WorstError& worst) {
   std::vector<glm::vec3> normals = {{0.0f, 0.0f, 0.0f}, {-0.0f, 0.0f, -0.0f}, {1e-40f, 0.0f, -1e-40f}};
   for (const float length : {1e-30f, 1e-12f, 1e-3f, 0.5f, 1.0f - 0x1p-20f, 1.0f, 1.0f + 0x1p-20f, 1.25f})
@@ -93,7 +93,7 @@ void shortened_normals(Device& device, WorstError& worst) {
   add_finest(device, normals, true, worst);
 }
 
-// Moments of slopes with mean (s, t) and the given second moments, including the share.
+// Returns moments of slopes with mean (s, t), the given second moments and share 1.
 MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) {
   MultumFilteredMoments m{};
   m.normal_z = m.share = 1.0f;
@@ -101,7 +101,7 @@ MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) 
   return m;
 }
 
-// A half vector with slope (s, t), in the precision of the kernel's input.
+// Returns a half vector with slope (s, t), in the precision of the kernel's input.
 glm::vec4 half_at(double s, double t) { return {glm::vec3(glm::normalize(glm::dvec3(-s, -t, 1.0))), 0.0f}; }
 
 double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) {
@@ -111,8 +111,8 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
   return reference::lean(wide_moments, glm::dvec3(h), s, false);
 }
 
-// Second moments that rounding left below the square of the mean, for slopes up to the largest, 20. Only the BRDF's
-// own variance remains, so no value exceeds its peak.
+// Tests second moments that rounding left below the square of the mean, for slopes up to the largest slope, 20. Only
+// the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -129,7 +129,8 @@ void variance_below_0(Device& device, WorstError& worst) {
       }
 }
 
-// Slopes along one line of the plane: the determinant of Sigma is 0, and only the BRDF's own variance 1/s is across.
+// Tests slopes along one line of the plane. The determinant of Sigma is 0, and across the line only the BRDF's own
+// variance 1/s remains.
 void slopes_along_a_line(Device& device, WorstError& worst) {
   for (const float variance : {4.0f, 64.0f, 256.0f})
     for (const float sign : {1.0f, -1.0f})
@@ -142,8 +143,8 @@ void slopes_along_a_line(Device& device, WorstError& worst) {
       }
 }
 
-// Steep, nearly equal slopes under a sharp highlight, one highlight width away from its peak: tests the loss of E[s^2]
-// - E[s]^2 in single precision, compared with the variance 1/s.
+// Tests steep and nearly equal slopes under a sharp highlight, one highlight width away from its peak. The case
+// compares the rounding error of E[s^2] - E[s]^2 in single precision with the variance 1/s.
 void steep_and_sharp(Device& device, WorstError& worst) {
   for (const double slope : {0.1, 1.0, 5.0, 20.0})
     for (const double variance : {0.0, 1e-6, 1e-4})
@@ -164,7 +165,7 @@ void steep_and_sharp(Device& device, WorstError& worst) {
       }
 }
 
-// Half vectors at and below the horizon, where slope and Jacobian are unbounded.
+// Tests half vectors at and below the horizon, where the slope and the Jacobian are unbounded.
 void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
   std::vector<glm::vec4> h;
   for (const float z : {1.1e-4f, 1e-4f, 1e-20f, 1e-40f, 0.0f, -0.0f, -1e-3f, -1.0f})
@@ -178,7 +179,7 @@ void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
     }
 }
 
-// Mean normals of every length, including 0 and more than 1.
+// Tests mean normals of every length, including 0 and lengths above 1.
 void toksvig_of_every_length(Device& device, WorstError& worst) {
   const glm::dvec3 up(0.0, 0.0, 1.0);
   for (const float length : {0.0f, 1e-40f, 1e-20f, 1e-6f, 0.5f, 1.0f - 0x1p-20f, 1.0f, 1.0f + 0x1p-20f, 1.001f})
@@ -198,7 +199,7 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// Stored levels with share 0, or with a share left by rounding: only the normal map's value remains.
+// Tests stored levels whose share is 0, or a small share left by rounding. Only the value of the normal map remains.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {

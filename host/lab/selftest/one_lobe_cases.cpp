@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the fit of one GGX lobe to a texel (kernels/one_lobe.cl): lobes of width 0, normals of length 0, facets behind
-// the mean normal, and texels without facets.
+// Tests the fit of one GGX lobe to a texel (kernels/one_lobe.cl). The inputs contain lobes of width 0, normals of
+// length 0, facets behind the mean normal, and texels without facets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ namespace {
 
 constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // distance between the planes of a texel
 
-// Averages, with equal weights, of the planes that one_lobe_finest makes of the map, and of alpha^2.
+// Returns the averages of alpha^2 and of the planes that one_lobe_finest computes from the map. All texels have equal
+// weights.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {
   const NormalMap& map = *texel.map;
   const std::size_t texels = map.x.size();
@@ -91,7 +92,7 @@ namespace {
 
 constexpr int kGrid = 8;
 
-// Facets of alpha 1 along a spiral, distributed evenly over GGX.
+// Returns facets along a spiral that follow the GGX distribution with alpha 1.
 std::vector<glm::vec2> spiral_facets() {
   std::vector<glm::vec2> facets;
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -111,7 +112,7 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Counts errors of alphas by a tenth: files hold square roots of alphas, and alphas come from sums of squares.
+// Divides errors of alpha by 10: files store square roots of alpha, and alpha is computed from sums of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})

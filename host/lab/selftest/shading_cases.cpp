@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) for parameters that are 0, 1 or
-// extreme. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe". Lobes point along +z, so that (a r, a) is exact
-// in float and only the formula causes an error.
+// extreme (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"). Lobes point along +z, so (a r, a) is exact in
+// float, and only the formula causes an error.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ glm::vec4 lobe_of(double amplitude, double spread) {
 
 constexpr double kSpreads[] = {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0 - 0x1p-20, 1.0};
 
-// Compares with the formula in double, relative to the peak of the lobe.
+// Compares the shading with the formula in double, relative to the peak of the lobe.
 void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, double s,
                      const std::vector<glm::vec4>& directions, WorstError& worst) {
   const double amplitude = static_cast<double>(lobe.w), peak = reference::product_blinn_phong(s, spread, 0.0);
@@ -96,7 +96,7 @@ void exponents_to_1e5(Device& device, WorstError& worst) {
                       worst);
 }
 
-// 90 degrees itself is omitted, because the power 0 is a step there.
+// Omits 90 degrees, because a power with exponent 0 has a step there.
 void horizon_and_below(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = {direction(0.5 * std::numbers::pi - 1e-4),
                                              direction(0.5 * std::numbers::pi + 1e-4),
@@ -122,7 +122,8 @@ void no_mean_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Amplitudes that filtering leaves: errors are relative to the amplitude; below 1e-6 the result must be 0.
+// Tests small amplitudes that filtering leaves. Errors are relative to the amplitude, and the result must be 0 below
+// an amplitude of 1e-6.
 void vanishing_amplitude(Device& device, WorstError& worst) {
   for (const double amplitude : {0.5, 1e-3, 1.0 / 32767.0, 2e-6, 1.01e-6, 1e-6, 1e-8, 1e-30, 1e-40, 0.0}) {
     const glm::vec4 lobe = lobe_of(amplitude, 0.125);
@@ -137,7 +138,7 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
   }
 }
 
-// GGX as a sum of vMFs, some of them negative, compared with the same sum in double.
+// Tests GGX as a sum of vMFs with positive and negative weights, compared with the same sum in double.
 void terms_of_either_sign(Device& device, WorstError& worst) {
   Highlight ggx;
   ggx.brdf.kind = BrdfKind::kGgx;

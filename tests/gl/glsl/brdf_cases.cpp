@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and facing away.
+// Defines the numerical cases of brdf/ and vmf_zonal.glsl, with facets at their peak, at grazing angles and facing
+// away.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Compares an expression of b.x and b.y over pairs of numbers with `exact` at the same floats.
+// Compares an expression of b.x and b.y, for pairs of floats, with `exact` of the same floats.
 struct PairComparison {
   std::string expression;
   std::vector<std::pair<double, double>> inputs;
@@ -54,7 +55,7 @@ void ggx_peak(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits, {"multum_ggx(b.x, b.y)", grid(alphas, ones), exact, true}, worst);
 }
 
-// The shader uses V n.l, which is 0 where n.l is 0, however near 0 n.v is.
+// Tests `V n.l`, which the shader uses. If n.l is 0, the product is 0, even if n.v is also nearly 0.
 void smith_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exact = [](double n_l, double n_v) {
     if (n_l == 0.0) return 0.0;
@@ -92,7 +93,7 @@ void eighth_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// 1 - v.h outside 0 to 1: cosines that rounding left above 1, and views from below.
+// Tests 1 - v.h outside the range 0 to 1, for cosines that rounding left above 1 and for views from below.
 void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits,
           {"multum_schlick(vec3(b.x), b.y).x", grid({0.0, 0.04, 1.0}, {-1.0, -1e-6, 0.0, 1e-6, 0.5, 1.0, 1.0001, 2.0}),
@@ -100,7 +101,7 @@ void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// d, q and e are a.xyz; compares the ratio to the peak, and the peak.
+// Tests a term with d, q and e in a.xyz. Compares the ratio to the peak, and the peak.
 void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{
       "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
@@ -122,10 +123,11 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// The shader functions of one BRDF, selected by its flags: f of one normal and of a lobe, relative to the peak; V; F.
+// Describes the shader functions of one BRDF, which its flags select: V, F, and f of one normal and of a lobe,
+// relative to the peak of f.
 struct FacetsOf {
   std::vector<std::string> flags;
-  std::string visibility, fresnel;  // expressions of the cosine c = b.w
+  std::string visibility, fresnel;  // expressions that contain the cosine c = b.w
   double peak;
   std::function<double(double theta)> facets = {};
   std::function<double(double spread, double theta)> lobe_facets = {};
@@ -196,12 +198,12 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
   }
 }
 
-// Two terms: far from the peak, the one with negative weight outweighs the other.
+// Tests two terms, one of negative weight. Far from the peak, the negative term is larger than the positive term.
 void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
-  f.formulas = brdf_shader_text("measured.glsl");  // its table stays black
+  f.formulas = brdf_shader_text("measured.glsl");  // the table in this file stays black
   f.facets = nothing;
   f.lobe_facets = [=](double spread, double theta) {
     double sum = 0.0;
@@ -248,7 +250,7 @@ double ggx_facet_kappa(double alpha, double kappa, double e) {
   return facets;
 }
 
-// A lobe opposite to h and as sharp as the facets: they cancel.
+// Tests a lobe that is opposite to h and as sharp as the facets, so the lobe and the facets cancel.
 void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float alpha : {0.0025f, 0.5f, 1.0f})
@@ -263,7 +265,8 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
   compare_glsl(gl, edits, c, worst);
 }
 
-// The highlights of hard lobes: the mean of f(n . h) max(n . l, 0) over each; each term of facets has its own cosine.
+// Describes the highlight of difficult lobes, which is the mean of f(n . h) max(n . l, 0) over each lobe. Each term of
+// f has its own cosine.
 struct HighlightOf {
   std::vector<std::string> flags;
   std::vector<glm::dvec2> terms;                                   // weight and kappa of each term
@@ -367,7 +370,7 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// The mean and variance of n . h over a lobe of amplitude 1, as in brdf/charlie.glsl.
+// Contains the mean and variance of n . h over a lobe of amplitude 1, as in brdf/charlie.glsl.
 struct LobeProjection {
   double mean, variance;
 };
@@ -410,7 +413,7 @@ void charlie_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Both cosines are 0, one is 0, or neither is.
+// Tests pairs of cosines in which both, one or neither is 0.
 void sheen_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_sheen_visibility(a.x, a.y) * a.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float n_l : {0.0f, 1e-6f, 1e-3f, 0.5f, 1.0f})
@@ -445,7 +448,7 @@ void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& w
   }
 }
 
-// The tables hold their own indices, so that each value read tells its place.
+// The table entries are their own indices, so each value read is the index that the shader used.
 void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kFacets = 90, kDifferences = 19;
   GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};

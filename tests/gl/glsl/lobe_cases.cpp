@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of movmf_shading.glsl and of Blinn-Phong over lobes.
+// Defines the numerical cases of movmf_shading.glsl and of Blinn-Phong highlights of lobes.
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// A lobe along +z, so that (a r, a) is exact in float; a direction in the plane y = 0; a parameter.
+// Describes a lobe along +z, for which (a r, a) is exact in float, a direction in the plane y = 0, and a parameter.
 struct Point {
   double amplitude, spread, theta, parameter;
 };
@@ -30,7 +30,7 @@ glm::vec4 direction_of(const Point& p) {
           static_cast<float>(p.parameter)};
 }
 
-// Returns the angle that the shader sees; its vectors are not exactly of length 1.
+// Returns the angle between the float vectors of the shader, whose lengths are not exactly 1.
 double angle_seen(const Point& p) {
   const glm::vec4 w = direction_of(p);
   const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
@@ -52,7 +52,7 @@ std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const s
   return values;
 }
 
-// Adds the relative errors of a function of one number, `b.w`, over `inputs`.
+// Adds the relative errors of a function of one number, `b.w`, for all `inputs`.
 void add_function(const GlFunctions& gl, const Edits& edits, const std::string& expression,
                   const std::vector<double>& inputs, const std::function<double(double)>& exact, WorstError& worst) {
   std::vector<Point> points;
@@ -165,7 +165,8 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// The paper's rule is kept for comparison: it must match its own formula, and may differ from the reference.
+// Tests the paper's rule, which is kept for comparison. It must match its own formula, but can differ from the
+// reference.
 void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})
@@ -180,7 +181,7 @@ void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   }
 }
 
-// sigma = 1 / sqrt(2 kappa_f), from mirrors to shapes too broad for a facet distribution.
+// Tests `sigma = 1 / sqrt(2 kappa_f)`, from mirrors to shapes too broad for a facet distribution.
 void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double sigma : {1e-3, 0.01, 0.1, 0.5, 1.0})
@@ -197,8 +198,9 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
   }
 }
 
-// Lobes from single directions to amplitude 0, under facets from mirrors to the whole sphere. Half vectors are along
-// the lobe, across it and opposite to it, where two equal vMFs leave no direction.
+// Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
+// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
+// direction.
 void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::dvec3 l = glm::normalize(glm::dvec3(0.3, -0.5, 0.8)), up(0.0, 0.0, 1.0);
   GlslComparison c{
@@ -212,7 +214,8 @@ void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& wo
     return glm::dvec4(highlight_cosine(b.w * glm::dvec3(b) + kappa * up, l));
   };
   compare_glsl(gl, edits, c, worst);
-  // Exactly opposite to the lobe, with the kappa that the shader computes for it.
+  // The half vector is exactly opposite to the lobe, and the facets have the kappa that the shader computes for the
+  // lobe.
   c.expression =
       "vec4(multum_movmf_highlight_cosine(a, -a.xyz / a.z, vec3(0.0, 0.0, 1.0), "
       "multum_vmf_kappa(multum_movmf_spread(a))))";
@@ -236,7 +239,7 @@ void lambert(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
         [=](double theta) { return reference::convolved_lambert(kappa_of_lobe, theta); });
 }
 
-// Shares stay within 0 and 1 for every level of detail.
+// Tests that the share is between 0 and 1 at every level of detail.
 void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double lod : {-1e30, -40.0, -1.0, -0.25, -0.0, 0.0, 1e-40, 3.0, 1e30})
@@ -246,7 +249,8 @@ void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& wor
     worst.add(values[i], std::clamp(-points[i].parameter, 0.0, 1.0), 1.0, text_of(points[i]));
 }
 
-// Mean normals from length 0 to longer than their amplitude; pixels from far smaller to far larger than texels.
+// Tests mean normals from length 0 to longer than their amplitude, and pixels from much smaller to much larger than
+// texels.
 void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_magnified(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 0.5f, 1.0f})
@@ -261,7 +265,8 @@ void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare_glsl(gl, edits, c, worst);
 }
 
-// Lobes that a BRDF's width has shortened, from length 0 to longer than their amplitude, with every mean cosine.
+// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. Their lengths are from 0 to longer
+// than their amplitude.
 void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of planar Gaussians and of moments of slopes. Inputs are those of the kernels with the same
-// formulas (host/lab/selftest), and inputs that only a shader meets.
+// Defines the numerical cases of planar Gaussians and of slope moments. Includes the inputs of the kernels with the
+// same formulas (host/lab/selftest), and inputs that occur only in shaders.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Rounding and filtering may leave the third value below the square of the mean.
+// Tests lobes whose third value is below the square of the mean. Rounding and filtering can produce these lobes.
 void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_density(a, b.xyz, b.w) / (b.w + 3.0))", {}, {}};
   for (const double degrees : {0.0, 30.0, 60.0, 89.0})
@@ -36,7 +36,7 @@ void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_glsl(gl, edits, c, worst);
 }
 
-// Means that rounding left outside the unit circle, with lobes of every amplitude.
+// Tests means that rounding left outside the unit circle, with lobes of every amplitude.
 void planar_means_beyond_the_rim(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_lambert(a, b.xyz), multum_gmm_lifted(a.xy / max(a.w, 1e-6)))", {}, {}};
   for (const double length : {0.0, 0.5, 0.9999, 1.0, 1.0001, 1.5})
@@ -62,7 +62,7 @@ void planar_amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// A mean normal, possibly of length 0, as a Gaussian; and the facets' variance about means of every length.
+// Tests the Gaussian of a mean normal, which can have length 0, and the facet variance for means of every length.
 void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_normal_map(a).zw, multum_gmm_facet_variance(a, b.x), 0.0)", {}, {}};
   for (const double amplitude : {0.0, 1e-40, 1e-30, 1e-5, 0.5, 1.0})
@@ -75,7 +75,7 @@ void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// Mean normals of every length, from 0 to longer than 1.
+// Tests mean normals from length 0 to longer than 1.
 void toksvig_of_every_length(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exponent_of = [](double length, double s) {
     const double size = std::min(length, 1.0);
@@ -106,7 +106,8 @@ glm::vec4 half_at(double s, double t, double cross_moment) {
   return with(glm::normalize(glm::dvec3(-s, -t, 1.0)), cross_moment);
 }
 
-// Second moments below the square of the mean, for slopes up to the largest: no value exceeds the BRDF's own peak.
+// Tests second moments below the square of the mean, for slopes up to the largest slope. No value exceeds the peak of
+// the BRDF.
 void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {1.0, 100.0, 1e5}) {
     GlslInputs inputs;
@@ -130,8 +131,8 @@ void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Slopes along one line of the plane: Sigma has determinant 0, and across the line only the BRDF's variance 1/s is
-// left.
+// Tests slopes along one line of the plane. The determinant of Sigma is 0, and across the line only the BRDF's own
+// variance 1/s remains.
 void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {10.0, 1e3, 1e5}) {
     GlslComparison c{kLean, {}, {}, true, of_exponent(s)};
@@ -147,7 +148,7 @@ void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Steep and nearly equal slopes under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
+// Tests steep and nearly equal slopes under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
 void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {100.0, 1e3, 1e4, 1e5}) {
     GlslInputs inputs;
@@ -170,7 +171,7 @@ void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& wors
   }
 }
 
-// At and below the horizon, a half vector's slope and the Jacobian have no bound.
+// Tests half vectors at and below the horizon, where the slope and the Jacobian are unbounded.
 void half_vectors_at_the_horizon(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
   for (const double z : {1e-4, 1e-20, 1e-40, 0.0, -0.0, -1e-3, -1.0})
