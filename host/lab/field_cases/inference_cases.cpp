@@ -147,7 +147,7 @@ void odd_pyramids(Device& device, WorstError& worst) {
   }
 }
 
-// Tests numbers of texels and parts whose product exceeds 2^31.
+// Tests a texel count and a part count whose product exceeds 2^31.
 void products_of_many_parts(Device& device, WorstError& worst) {
   constexpr std::size_t kTexels = 1 << 18, kParts = 1 << 14;
   const std::vector<Colour4> p = colours_of_great_contrast(kTexels, 11), q = colours_of_great_contrast(kTexels, 12);
@@ -353,7 +353,7 @@ std::vector<NumericalCase> product_cases() {
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
       {{"parts-beyond-2-to-31", "curvature_product",
-        "the product of the numbers of texels and parts overflows, so parts contain wrong texels or no texels",
+        "the product of the texel count and the part count overflows, so parts contain wrong texels or no texels",
         "integers have 64 bits", 1e-6, "of the sum of magnitudes",
         "each part rounds 16 additions, and parts are added in double precision"},
        products_of_many_parts,

@@ -44,7 +44,7 @@ void add_all(const std::vector<float>& found, const std::vector<double>& exact, 
 
 std::vector<float> room_for(std::size_t count) { return std::vector<float>(count + 40 * kItemsOfGroup, kLeftAlone); }
 
-// Tests two nearly grey textures of 37 texels. The second and third planes are differences near 0.
+// Tests two nearly grey textures of 37 texels. The second and third planes contain differences near 0.
 void colours_near_grey(Device& device, WorstError& worst) {
   constexpr std::size_t kTexelCount = 37, kTextures = 2;
   SplitMix64 random(61);
@@ -145,7 +145,7 @@ std::vector<NumericalCase> transform_cases() {
   const std::string unit = "of the largest coefficient";
   return {
       {{"colours-near-grey", "colour_planes", "colour differences contain three rounding errors of the colours",
-        "products and sums are fused, and the smallest is added first", 2e-7, "of the largest value",
+        "products and sums are fused, and the smallest product is added first", 2e-7, "of the largest value",
         "numbers up to the largest value are rounded three times"},
        colours_near_grey,
        {},

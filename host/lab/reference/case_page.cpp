@@ -39,8 +39,9 @@ std::string table(const std::string& formula, const NumericalRun& run) {
       formula);
   for (const NumericalVerdict& v : run.verdicts) {
     if (v.text.formula != formula) continue;
-    const std::string bound = fmt::format("{}{} {}: {}", v.text.bound > kNothingWrong ? "at most " : "",
-                                          bound_text(v.text.bound), v.text.unit, v.text.bound_reason);
+    const bool allows_errors = v.text.bound > kNothingWrong;
+    const std::string bound = fmt::format("{}{} {}{}{}", allows_errors ? "at most " : "", bound_text(v.text.bound),
+                                          v.text.unit, allows_errors ? ", because " : ": ", v.text.bound_reason);
     text += fmt::format("| `{}` | {} | {} | {} | {}{} | {} | {} |\n", v.text.name, cell(v.text.without_guard),
                         cell(v.text.guard), cell(bound), error_text(v.worst), v.holds() ? "" : " **broken**",
                         tried_text(v.without_guard), tried_text(v.mutated));

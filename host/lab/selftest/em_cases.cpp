@@ -261,7 +261,7 @@ std::vector<NumericalCase> input_cases() {
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
         "a NaN, infinite or huge normal affects neighbouring texels",
-        "lanes share no data and stop separately; readers repair such normals (docs/reference/input_maps.md)",
+        "lanes share no data and stop separately; readers repair invalid normals (docs/reference/input_maps.md)",
         kNothingWrong, "changed texels", "no bit may change"},
        a_bad_texel_stays_alone,
        {},

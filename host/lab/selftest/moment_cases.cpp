@@ -244,7 +244,7 @@ std::vector<NumericalCase> moment_cases() {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
   add("slope-variance-below-0", "E[s^2] is below the square of E[s], and a negative determinant has no square root",
-      "variances are at least 0", 2e-6, "of the peak, by which a value exceeds the peak or falls below 0",
+      "variances are at least 0", 2e-6, "excess over the peak or shortfall below 0, relative to the peak",
       "a root, a division and an exponential are rounded", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
@@ -259,12 +259,12 @@ std::vector<NumericalCase> moment_cases() {
   add("steep-slopes-under-sharp-highlights",
       "half floats have steps of 0.25 at 400, but moments at s = 1e5 need steps of 1e-5",
       "moments are stored in 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
-      "relative to the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
+      "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
       "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon is infinity minus infinity",
       "the result is 0 for half vectors with z up to 1e-4", kNothingWrong,
-      "absolute error where the result must be 0; NaN is an error everywhere", "no error is allowed",
+      "absolute error where the result must be 0 (NaN is an error everywhere)", "no error is allowed",
       half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length",
       "a length above 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",

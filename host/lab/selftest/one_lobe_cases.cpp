@@ -183,7 +183,7 @@ std::vector<NumericalCase> one_lobe_cases() {
   const auto add = [&](const char* name, const char* without, const char* guard, void (*run)(Device&, WorstError&),
                        const std::vector<SourceEdit>& edits) {
     cases.push_back({{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
-                      "absolute error of the normal; relative errors of alpha are divided by ten",
+                      "absolute error of the normal (relative errors of alpha are divided by ten)",
                       "each of 5 EM steps sums 64 terms in float, with an error of about 1e-6 of the lobe's width"},
                      run,
                      edits,

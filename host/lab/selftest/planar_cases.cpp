@@ -314,9 +314,10 @@ std::vector<NumericalCase> planar_cases() {
        filtered_variance_below_0,
        {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
-      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe without normals is divided by its amplitude of 0",
+      {{"planar-amplitude-to-0", "movmf_shade (planar)",
+        "a lobe without normals is divided by its amplitude, which is 0",
         "lobes with amplitudes up to 1e-6 are ignored", 6e-4,
-        "relative to an upright lobe's peak; light that must be 0 counts as an error of 1",
+        "of an upright lobe's peak (light that must be 0 counts as an error of 1)",
         "a mean near 1 is rounded twice by 6e-8, and the variance is only 1e-4"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),

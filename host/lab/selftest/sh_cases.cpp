@@ -267,7 +267,7 @@ SourceEdit direction_edit(const std::string& text, const std::string& replacemen
 }  // namespace
 
 std::vector<NumericalCase> sh_cases() {
-  const std::string unit = "relative to the largest value in the band";
+  const std::string unit = "of the largest value in the band";
   const std::string reason = "1 - z^2 has an error of 6e-8 l^2 / 2 near a pole, and the recurrence has 20 steps";
   return {
       {{"harmonics-to-order-20", "sh_project", "(l + m)! and P_lm overflow: 40! exceeds the range of a float",

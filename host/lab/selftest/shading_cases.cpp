@@ -212,23 +212,24 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "an empty lobe is divided by its amplitude of 0, or reflects light from a direction that is only rounding "
+        "an empty lobe is divided by its amplitude, which is 0, or reflects light from a direction that is only "
+        "rounding "
         "error",
         "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
-        "relative to the peak times the amplitude; light that must be 0 counts as an error of 1",
+        "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
         "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
   cases.push_back({{"terms-of-either-sign", "movmf_shade",
                     "a sum of positive and negative vMFs can be below 0, and negative light darkens its surroundings",
-                    "the sum over the terms of a lobe is at least 0", 6e-4, "relative to the sum of the terms' peaks",
+                    "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
                     "the inverse of kappa has an error of 2.3e-4 in every term"},
                    terms_of_either_sign,
                    {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, ignores the spread",
-        "the mean of a folded normal distribution is used, which is exact at |r| = 1 and r = 0", 2.5e-3,
+        "the mean of a folded normal distribution is used; this mean is exact at |r| = 1 and r = 0", 2.5e-3,
         "absolute error", "the model has an error of 0.22 % (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});

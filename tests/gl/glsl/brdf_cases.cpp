@@ -475,7 +475,7 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
 
 std::vector<GlslCase> facet_cases() {
   const std::string longer = "a lobe longer than its amplitude makes the highlight narrower than the BRDF allows",
-                    unit = "of the peak; the errors of V and F are absolute",
+                    unit = "of the peak (the errors of V and F are absolute)",
                     reason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   const SourceEdit unclamped = glsl_unclamped_spread();
   const std::string of_all_directions =

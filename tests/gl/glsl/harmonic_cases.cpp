@@ -19,7 +19,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr int kUnrolledOrder = 4;  // low, because compilers unroll the loops; tests/agreement tests order 20
+constexpr int kUnrolledOrder = 4;  // a low order, because compilers unroll the loops; tests/agreement tests order 20
 
 // Contains sets of directions and a texture of their coefficients. The texture has one row per set.
 struct Harmonics {

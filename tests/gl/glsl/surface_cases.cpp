@@ -369,7 +369,7 @@ std::vector<GlslCase> glsl_surface_cases() {
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
        {"multum_lobe_visibility"}},
-      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude of 0",
+      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude, which is 0",
         "the divisor is at least 1e-6", 1e-3, unit, "for a mean near the rim, the error is the root of 1.2e-7"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        single_normals_as_gaussians,
