@@ -267,10 +267,9 @@ std::vector<NumericalCase> moment_cases() {
       "absolute error where the result must be 0 (NaN is an error everywhere)", "no error is allowed",
       half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length",
-      "a length above 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
-      "the length is 1 minus a spread between 0 and 1; a mean without direction uses any direction", 1e-5,
-      "of the peak", "mu and h are rounded by 6e-8, compared with the angle that the exponent resolves",
-      toksvig_of_every_length,
+      "a mean longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
+      "the length is 1 minus a spread between 0 and 1; for a mean without direction, any direction is used", 1e-5,
+      "of the peak", "mu and h are rounded by 6e-8, and the exponent multiplies the angle", toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
   add("moments-of-no-share", "moments with share 0 are as bright as moments with share 1",

@@ -207,7 +207,7 @@ std::vector<NumericalCase> exponential_cases() {
        exp2_in_range,
        {probe_edit("const real_v f = x - (shifted - 12582912.0f);", "const real_v f = x - trunc(x);")}},
       {{"exp2-far-below-its-range", "device/numerics.clh",
-        "the exponent bits overflow, and results are huge, negative or infinite",
+        "the exponent bits overflow, and results become huge, negative or infinite",
         "x below -126 is replaced by -126, so the result is tiny but never denormal", 3.5e-7, "times 2^-126",
         "the polynomial and its rounding add 2.2e-7"},
        exp2_below_range,

@@ -119,8 +119,9 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
       {{name + "-sharpest-spreads", formula, lost + ", which is more than the spread",
-        "the rounding with the closest projection is chosen; lobes above the encoding's kappa limit are reported", 0.09,
-        "mean relative error of 1 - |r| over directions",
+        "the rounding whose projection on the lobe's direction is closest to a |r| is chosen; lobes above the "
+        "encoding's kappa limit are reported",
+        0.09, "mean relative error of 1 - |r| over directions",
         "at the limit, a spread changes by at most a quarter (storage_kappa_max)"},
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},

@@ -123,8 +123,8 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// Describes the shader functions of one BRDF, which its flags select: V, F, and f of one normal and of a lobe,
-// relative to the peak of f.
+// Describes the shader functions of one BRDF: V, F, and f of one normal and of a lobe, relative to the peak of f.
+// `flags` select the BRDF.
 struct FacetsOf {
   std::vector<std::string> flags;
   std::string visibility, fresnel;  // expressions that contain the cosine c = b.w

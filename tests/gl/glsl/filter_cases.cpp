@@ -171,7 +171,8 @@ std::vector<GlslCase> glsl_filter_cases() {
   const std::string file = "texture_filter.glsl";
   return {
       {{"glsl-level-of-no-extent", "pyramid.glsl", "if coordinates do not change, the level is the logarithm of 0",
-        "the squared length is at least 1e-30", 1e-4, "absolute error of the level", "the GL's log2 has a small error"},
+        "the squared length is at least 1e-30", 1e-4, "absolute error of the level",
+        "the log2 function of the GL has a small error"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",
                   "max(dot(along_x, along_x), dot(along_y, along_y))")},
        level_of_no_extent,
@@ -192,7 +193,7 @@ std::vector<GlslCase> glsl_filter_cases() {
       {{"glsl-footprints-on-another-size", file,
         "a level computed for one texture is used for a texture of another size",
         "the difference between the textures' longer sides is added, in octaves", 1e-4, "absolute error of the level",
-        "the GL's log2 has a small error"},
+        "the log2 function of the GL has a small error"},
        {glsl_edit("footprint.level + octaves", "footprint.level")},
        footprints_on_another_size,
        {"multum_footprint_on"}},

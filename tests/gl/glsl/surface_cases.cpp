@@ -363,8 +363,9 @@ std::vector<GlslCase> glsl_surface_cases() {
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
       {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h is computed at the lobe's mean, not near h",
-        "n . h uses a direction between h and the mean; if the two cancel, the divisor is at least 1e-6", 1e-2, unit,
-        "the cosine model has an error of 0.22 % for l and v, and V exceeds 1"},
+        "n . h is computed with a direction between h and the mean; if h and the mean cancel, the divisor is at least "
+        "1e-6",
+        1e-2, unit, "the cosine model has an error of 0.22 % for l and v, and V exceeds 1"},
        {glsl_edit("multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent",
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
