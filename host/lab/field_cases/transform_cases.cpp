@@ -144,7 +144,7 @@ void lines_shorter_than_filters(Device& device, WorstError& worst) {
 std::vector<NumericalCase> transform_cases() {
   const std::string unit = "of the largest coefficient";
   return {
-      {{"colours-near-grey", "colour_planes", "colour differences contain three rounding errors of the colours",
+      {{"colours-near-grey", "colour_planes", "each colour difference contains three rounding errors of colours",
         "products and sums are fused, and the smallest product is added first", 2e-7, "of the largest value",
         "numbers up to the largest value are rounded three times"},
        colours_near_grey,

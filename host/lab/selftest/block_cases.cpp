@@ -117,7 +117,8 @@ std::vector<NumericalCase> block_cases() {
     one_value_in_all_texels(device, TexelFormat::kBc7, worst);
   };
   return {
-      {{"values-at-the-limits", "encode_scalar_blocks", "endpoints that reach 0 and 255 leave few values between them",
+      {{"values-at-the-limits", "encode_scalar_blocks",
+        "if endpoints are 0 and 255, the values between them are far apart",
         "the encoder also tries blocks of six values, which contain 0 and 255 in addition to their endpoints", 0.3,
         unit + ", in excess of the lowest possible error",
         "the search steps are smaller than the rounding error of values"},

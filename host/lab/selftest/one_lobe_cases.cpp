@@ -205,8 +205,8 @@ std::vector<NumericalCase> one_lobe_cases() {
       {edit("(square > 1e-12f) & (square < 1e12f)", "(int_v)(-1)")});
   add("slopes-along-one-line", "the matrix S is singular if all slopes are on one line",
       "correlations are at most 0.996", slopes_of_a_line, {edit("s.xy = MIN_V(MAX_V(s.xy, -most), most);", "")});
-  add("lobes-beyond-alpha-1", "a fit can exceed alpha 1, but files store roughness only up to 1", "alpha is at most 1",
-      lobes_beyond_1,
+  add("lobes-beyond-alpha-1", "a fitted alpha can exceed 1, but files store roughness only up to 1",
+      "alpha is at most 1", lobes_beyond_1,
       {edit("MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f))",
             "MAX_V(sqrt(2.0f * (middle + radius)), least)")});
   add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction, and its normalisation divides by zero",

@@ -335,7 +335,7 @@ std::vector<NumericalCase> box_cases() {
        rows_from_left_to_right},
       {{"average-of-2-30-texels", "mip_levels",
         "the sum is rounded 32768 times, by half a unit in the last place each time",
-        "sums down the rows are compensated", 1.2e-7, "relative error", "only the share and the result are rounded"},
+        "compensated summation adds the rows", 1.2e-7, "relative error", "only the share and the result are rounded"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
          "      sum += value;\n      continue;"}}},

@@ -376,7 +376,7 @@ std::vector<GlslCase> glsl_light_cases() {
   std::vector<GlslCase> cases = {
       {{"glsl-environment-at-its-poles", "environment_frame.glsl",
         "the arc cosine of 1.0001 is undefined, and the azimuth straight up is atan(0, 0)",
-        "heights are clamped to the range -1 to 1; straight up and straight down map to the middle", 1e-3,
+        "heights are clamped to the range -1 to 1; directions straight up and straight down map to s = 0.5", 1e-3,
         "absolute error of s and t", "the GL's arc functions have small errors"},
        {glsl_edit("acos(clamp(d.y, -1.0, 1.0))", "acos(d.y)")},
        places_at_the_poles,
