@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the kernels around EM: starts from a parent's lobes (movmf_start.cl), the packing of normals (movmf_start.cl)
-// and of binned normals (movmf_binning.cl), and the finest level (movmf_level_zero.cl).
+// Tests the kernels around EM: starts from a parent's lobes (movmf_start.cl), the packing of normals and of binned
+// normals (movmf_pack.cl), and the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -23,7 +23,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Compares an expression of b.x and b.y, for pairs of floats, with `exact` of the same floats.
+// Compares an expression of b.x and b.y with `exact` for pairs of floats.
 struct PairComparison {
   std::string expression;
   std::vector<std::pair<double, double>> inputs;

@@ -138,7 +138,7 @@ void harmonics_ring_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Tests E[n] and E[n n^T]. Order 1 has no second moments, so it counts all directions as equally likely.
+// Tests E[n] and E[n n^T]. Order 1 has no second moments, so it treats all directions as equally likely.
 void moments_of_harmonics(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const int order : {1, 2}) {
     Harmonics h = harmonics_of(gl, order);
