@@ -265,8 +265,8 @@ void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. Their lengths are from 0 to longer
-// than their amplitude.
+// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. Their lengths range from 0 to
+// above their amplitude.
 void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})
