@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the cases of this folder, one function per family of kernels.
+// Declares functions that list the cases of this folder, one function per family of kernels.
 #pragma once
 
 #include <vector>

@@ -14,14 +14,15 @@ double cosine(std::size_t n, std::size_t k, std::size_t i) {
          std::cos(std::numbers::pi * static_cast<double>((2 * i + 1) * k) / static_cast<double>(2 * n));
 }
 
-// Mirrors an index repeatedly until it is within a line of n samples.
+// Mirrors an index at the ends of a line of n samples until the index is within the line.
 std::size_t mirrored_index(long i, long n) {
   while (i < 0 || i >= n) i = i < 0 ? -i : 2 * (n - 1) - i;
   return static_cast<std::size_t>(i);
 }
 
-// Analysis filters of the 9/7 pair, taps of distance 0, 1, ... on both sides (Antonini et al. 1992, table 2, h~ and
-// g~), times sqrt(2) and sqrt(1/2). Both filters have about unit length, as filters of orthonormal wavelets do.
+// The analysis filters of the 9/7 pair (Antonini et al. 1992, table 2, h~ and g~) are multiplied by sqrt(2) and
+// sqrt(1/2). Entry k contains the tap at distance k on both sides. Both filters have about unit length, like filters of
+// orthonormal wavelets.
 constexpr std::array<double, 5> kLow = {0.602949018236360, 0.266864118442875, -0.078223266528990, -0.016864118442875,
                                         0.026748757410810};
 constexpr std::array<double, 4> kHigh = {1.115087052457000, -0.591271763114250, -0.057543526228500, 0.091271763114250};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests texture inference: the products and sums of conjugate gradient, the pyramid's interpolation, and whole
-// solutions of systems that are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000, section
-// 3.2; docs/contributing/ALGORITHMS.md has the rows).
+// Tests texture inference: the products and sums of conjugate gradient, the interpolation of the pyramid, and whole
+// solutions. The solved systems are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000,
+// section 3.2; the rows are in docs/contributing/ALGORITHMS.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace multum {
 namespace {
 
-// Returns a number of 10^-6 to 1 with a random sign.
+// Returns a number with a magnitude from 10^-6 to 1 and a random sign.
 float of_great_contrast(SplitMix64& random) {
   const double value = std::pow(10.0, -6.0 * random.uniform());
   return static_cast<float>(random.uniform() < 0.5 ? -value : value);
@@ -34,7 +34,8 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Makes rows of 0 (including the first and the last), 1, 8 and 21 entries, with weights of 1, of 1e-6 and denormal.
+// Makes rows of 0 to 21 entries; the first and the last row are empty. Weights are denormal, or have a magnitude from
+// 1e-6 to 1.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);
   SparseRows rows;
@@ -71,7 +72,7 @@ void empty_and_uneven_rows(Device& device, WorstError& worst) {
     }
 }
 
-// R x and R^T R x for the pyramid of a texture.
+// Contains `R x` and `R^T R x` for the pyramid of a texture.
 struct PyramidProducts {
   std::vector<Colour4> residual, gradient;
 };
@@ -146,7 +147,7 @@ void odd_pyramids(Device& device, WorstError& worst) {
   }
 }
 
-// Uses so many texels and parts that their product exceeds 2^31.
+// Tests a texel count and a part count whose product exceeds 2^31.
 void products_of_many_parts(Device& device, WorstError& worst) {
   constexpr std::size_t kTexels = 1 << 18, kParts = 1 << 14;
   const std::vector<Colour4> p = colours_of_great_contrast(kTexels, 11), q = colours_of_great_contrast(kTexels, 12);
@@ -168,7 +169,7 @@ void products_of_many_parts(Device& device, WorstError& worst) {
   for (std::size_t c = 0; c < 3; ++c) worst.add(found[c], exact[c], magnitude[c], fmt::format("colour {}", c));
 }
 
-// Uses more parts than texels: parts without texels must return 0.
+// Tests more parts than texels. Parts without texels must return 0.
 void parts_without_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kParts = 64;
   for (const std::size_t texels : {1u, 3u, 63u}) {
@@ -200,7 +201,7 @@ void parts_without_texels(Device& device, WorstError& worst) {
   }
 }
 
-// Tests steps of high contrast next to fixed texels (inverse and beta 0), denormal numbers and signed zeros.
+// Tests steps of high contrast next to fixed texels (inverse and beta are 0), denormal numbers and signed zeros.
 void steps_along_the_old_direction(Device& device, WorstError& worst) {
   for (const std::size_t texels : {1u, 7u, 1001u}) {
     const std::vector<Colour4> step = colours_of_great_contrast(texels, 16), p = colours_of_great_contrast(texels, 17),
@@ -220,7 +221,7 @@ void steps_along_the_old_direction(Device& device, WorstError& worst) {
         const double from = wide(step[t][c]), along = wide(alpha[c]) * wide(p[t][c]);
         const double down = wide(inverse[t][c]) * wide(r[t][c]), kept = wide(beta[c]) * wide(p[t][c]);
         const std::string input = fmt::format("{} texels, texel {}, colour {}", texels, t, c);
-        // Allows for values that a device treats as 0.
+        // Allows devices to treat denormal values as 0.
         worst.add(wide(found_step[t][c]), from + along, std::max(std::abs(from) + std::abs(along), 0x1p-100), input);
         worst.add(wide(found_p[t][c]), down + kept, std::max(std::abs(down) + std::abs(kept), 0x1p-100), input);
       }
@@ -235,8 +236,8 @@ InferenceSettings exact_settings(double pyramid_weight) {
   return settings;
 }
 
-// Compares the picture of the solution with the requested picture, for a random texture and a distant start. Texels
-// that no pixel reads may have any finite value.
+// Compares the picture of the solution with the requested picture, for a random texture and start values far from the
+// solution. Texels that no pixel reads can have any finite value.
 void add_picture_errors(Device& device, const FilterMatrix& matrix, const std::vector<float>& weights,
                         const InferenceSettings& settings, const std::string& input, WorstError& worst) {
   SplitMix64 random(15);
@@ -265,7 +266,8 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// Uses a regularisation so weak that unread texels have a denormal diagonal, whose inverse is infinite.
+// Tests a regularisation so weak that texels that no pixel reads have a denormal diagonal entry, whose inverse is
+// infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);
   for (const double weight : {1e-36, 1e-38, 1e-39, 1e-41, 1e-44})
@@ -273,7 +275,7 @@ void denormal_diagonals(Device& device, WorstError& worst) {
                        fmt::format("eps {}", weight), worst);
 }
 
-// A picture of one colour shows the left half of a texture: the right half must get that colour too.
+// Tests a picture of one colour that shows only the left half of a texture. The right half must get this colour too.
 void unseen_texels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 16, WrapMode::kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();
@@ -295,7 +297,7 @@ void unseen_texels(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(result.texels[t]), 0.6f, 1.0, fmt::format("texel {}", t / 3));
 }
 
-// Infers a texture from pictures of a known texture with vanishing regularisation, and expects the known texture.
+// Infers a texture from pictures of a known texture with nearly no regularisation, and expects the known texture.
 void vanishing_regularisation(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(8, 8, WrapMode::kClamp, 4000, 3);
   SplitMix64 random(9);
@@ -312,8 +314,8 @@ void vanishing_regularisation(Device& device, WorstError& worst) {
   }
 }
 
-// Texels of 1e-6 and of 1 are next to each other, and row weights are 1e-6 to 1: errors stay within the rounding of
-// the brightest pixel.
+// Tests adjacent texels of 1e-6 and 1, with row weights from 1e-6 to 1. Errors must not exceed the rounding of the
+// brightest pixel.
 void contrast_in_pixels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(8, 8, WrapMode::kClamp, 4000, 5);
   std::vector<float> texels;
@@ -332,8 +334,8 @@ void contrast_in_pixels(Device& device, WorstError& worst) {
 std::vector<NumericalCase> product_cases() {
   return {
       {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries keeps the old value of the output",
-        "each sum begins at 0, and blocks of 8 are padded with weight 0", 1e-6, "of the sum of magnitudes",
-        "21 products are added as a tree"},
+        "each sum begins at 0, and blocks of 8 entries are padded with entries of weight 0", 1e-6,
+        "of the sum of magnitudes", "21 products are added as a tree"},
        empty_and_uneven_rows,
        {},
        {},
@@ -345,18 +347,19 @@ std::vector<NumericalCase> product_cases() {
        {{"pyramidal_regularization", "typedef struct MultumGather {",
          "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
       {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
-        "weights of one quarter are correct only for powers of two",
+        "weights of one quarter are correct only for sizes that are powers of two",
         "tables give the weights of each column and each row", 2e-6, "absolute error of values up to 1",
         "sums of up to 9 x 9 products are rounded"},
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
       {{"parts-beyond-2-to-31", "curvature_product",
-        "the product of texels and parts overflows, so parts contain wrong texels or none", "integers have 64 bits",
-        1e-6, "of the sum of magnitudes", "each part rounds 16 additions, and parts are added in double precision"},
+        "the product of the texel count and the part count overflows, so parts contain wrong texels or no texels",
+        "integers have 64 bits", 1e-6, "of the sum of magnitudes",
+        "each part rounds 16 additions, and parts are added in double precision"},
        products_of_many_parts,
        {{"conjugate_gradient", "(((long)texel_count * part) / part_count)", "((texel_count * part) / part_count)"}}},
       {{"parts-without-texels", "advance_residual", "a part without texels keeps the old value of the output",
-        "sums begin at 0", 1e-5, "relative error", "the difference of 1000 q and r is squared"},
+        "sums begin at 0", 1e-5, "relative error", "the difference between 1000 q and r is squared"},
        parts_without_texels,
        {},
        {},
@@ -383,15 +386,16 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The host computes the inverses: a kernel that replaces 0 by 1 / 0 behaves as it would without the guard.
+  // The host computes the inverses, so this kernel edit replaces each inverse of 0 by infinity, as if the host had no
+  // guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
-  add("singular-systems", "texels that no pixel reads have a diagonal of 0, whose inverse is infinite",
+  add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",
       "the inverse is set to 0, so unseen texels keep their start values", 1e-2, "absolute error of pixels",
       "the solver uses single precision and a gradient tolerance of 1e-6", singular_systems, {},
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
-  add("denormal-diagonals", "the inverse of a denormal diagonal is infinite, and its product with 0 is NaN",
-      "a diagonal below the smallest normal number counts as 0", 1e-2, "absolute error of pixels",
+  add("denormal-diagonals", "the inverse of a denormal diagonal entry is infinite, and its product with 0 is NaN",
+      "diagonal entries below the smallest normal number count as 0", 1e-2, "absolute error of pixels",
       "the solver uses single precision and a gradient tolerance of 1e-6", denormal_diagonals, {},
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
   add("unseen-texels", "texels that no pixel reads keep their start values, or become infinite or NaN",

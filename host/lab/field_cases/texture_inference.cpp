@@ -15,7 +15,7 @@ struct Tap {
   double weight;
 };
 
-// The two texels on either side of a position along one axis.
+// Returns the two texels on either side of a position along one axis, with their weights.
 std::vector<Tap> taps(double at, int count, WrapMode wrap) {
   if (wrap == WrapMode::kClamp) at = std::clamp(at, 0.0, count - 1.0);
   const int first = static_cast<int>(std::floor(at));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the objective of texture inference in double for one colour, as
-// host/fields/inference/solver/texture_inference.h defines it.
+// Computes the objective of texture inference in double for one colour.
+// host/fields/inference/solver/texture_inference.h defines the objective.
 #pragma once
 
 #include <vector>
@@ -12,21 +12,22 @@ namespace multum::reference {
 struct InferenceProblem {
   std::vector<const FilterMatrix*> matrices;
   std::vector<std::vector<float>> row_weights;  // [matrix][row]
-  std::vector<double> pixels;                   // for all rows of all matrices
+  std::vector<double> pixels;                   // one value per row of each matrix
   double pyramid_weight, range_weight;          // epsilon_f, epsilon_b
 };
 
 /// Returns f(x).
 double objective(const InferenceProblem& problem, const std::vector<double>& texels);
 
-/// Bilinear interpolation of level l + 1 at the texels of level l: (fine texel, coarse texel, weight).
+/// One entry of the bilinear interpolation of level l + 1 at the texels of level l: fine texel, coarse texel and
+/// weight.
 struct InterpolationEntry {
   int fine, coarse;
   double weight;
 };
 std::vector<InterpolationEntry> interpolation(const FilterMatrix& matrix);
 
-/// Makes a filter matrix of `rows` random trilinear footprints, two levels each, as for a picture `rows` wide.
+/// Makes a filter matrix of `rows` random trilinear footprints on two levels each, as for a picture of `rows` pixels.
 FilterMatrix random_matrix(int texture_width, int texture_height, WrapMode wrap, int rows, unsigned seed);
 
 }  // namespace multum::reference

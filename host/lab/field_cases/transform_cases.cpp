@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the transforms of the animation codec (kernels/image_transform.cl): borders within blocks, lines shorter than
-// their filter, colours that cancel, and memory after the last item.
+// Tests the transforms of the animation codec (kernels/image_transform.cl). The inputs contain borders within blocks,
+// lines shorter than their filter, and colours that cancel. The cases also test that no memory after the last item is
+// written.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kItemsOfGroup = 64;  // launches are rounded up to it
+constexpr std::size_t kItemsOfGroup = 64;  // launch sizes are rounded up to a multiple of this number
 constexpr float kLeftAlone = -12345.0f;
 
 Kernel transform_kernel(Device& device, const char* name) {
@@ -29,7 +30,7 @@ std::vector<float> random_list(std::size_t count, SplitMix64& random) {
 
 std::vector<double> as_doubles(const std::vector<float>& list) { return {list.begin(), list.end()}; }
 
-// Compares `found` with `exact`, relative to the largest value; kLeftAlone must follow it.
+// Compares `found` with `exact`, relative to the largest value. The value after the results must still be kLeftAlone.
 void add_all(const std::vector<float>& found, const std::vector<double>& exact, const std::string& input,
              WorstError& worst) {
   double most = 1e-30;
@@ -43,7 +44,7 @@ void add_all(const std::vector<float>& found, const std::vector<double>& exact, 
 
 std::vector<float> room_for(std::size_t count) { return std::vector<float>(count + 40 * kItemsOfGroup, kLeftAlone); }
 
-// Two textures of 37 texels, nearly grey: the second and third planes are differences near 0.
+// Tests two nearly grey textures of 37 texels. The second and third planes contain differences near 0.
 void colours_near_grey(Device& device, WorstError& worst) {
   constexpr std::size_t kTexelCount = 37, kTextures = 2;
   SplitMix64 random(61);
@@ -72,7 +73,7 @@ void colours_near_grey(Device& device, WorstError& worst) {
   add_all(downloaded<float>(device, planes), exact, "greys", worst);
 }
 
-// Images whose right and lower blocks extend beyond them, single texels, and steps of 1e6.
+// Tests images that end within their right and lower blocks, images of one texel, and steps of 1e6.
 void blocks_beyond_borders(Device& device, WorstError& worst) {
   SplitMix64 random(62);
   for (const int side : {8, 16, 32})
@@ -81,7 +82,7 @@ void blocks_beyond_borders(Device& device, WorstError& worst) {
       std::vector<float> images = random_list(2 * texels, random);
       for (std::size_t i = texels; i < images.size(); ++i) images[i] = i % 5 < 2 ? 1e6f : -1e-6f;
       std::vector<float> read = images;
-      read.resize(images.size() + 64 * 64, 1e6f);  // read by blocks that ignore the border
+      read.resize(images.size() + 64 * 64, 1e6f);  // blocks that ignore the border read these values
       std::vector<float> rows;
       for (int k = 0; k < side; ++k)
         for (int i = 0; i < side; ++i)
@@ -115,8 +116,8 @@ void blocks_beyond_borders(Device& device, WorstError& worst) {
     }
 }
 
-// Lines of 2 to 40 samples in two images, three lines each. Lines of fewer than five samples are mirrored several
-// times.
+// Tests lines of 2 to 40 samples in two images with three lines each. Lines of fewer than five samples are mirrored
+// several times.
 void lines_shorter_than_filters(Device& device, WorstError& worst) {
   constexpr std::size_t kImages = 2, kLines = 3;
   SplitMix64 random(63);
@@ -143,8 +144,8 @@ void lines_shorter_than_filters(Device& device, WorstError& worst) {
 std::vector<NumericalCase> transform_cases() {
   const std::string unit = "of the largest coefficient";
   return {
-      {{"colours-near-grey", "colour_planes", "colour differences contain three rounding errors of the colours",
-        "products and sums are fused, and the smallest is added first", 2e-7, "of the largest value",
+      {{"colours-near-grey", "colour_planes", "each colour difference contains three rounding errors of colours",
+        "products and sums are fused, and the smallest product is added first", 2e-7, "of the largest value",
         "numbers up to the largest value are rounded three times"},
        colours_near_grey,
        {},
@@ -158,7 +159,7 @@ std::vector<NumericalCase> transform_cases() {
          "y = block / columns * side + item % side;"}}},
       {{"lines-shorter-than-filters", "wavelet_lift",
         "in lines of fewer than five samples, mirrored indices are still outside the line",
-        "indices are first reduced by the period, so that mirroring repeats", 1e-6, unit,
+        "indices are first reduced modulo the period, as if the line were mirrored repeatedly", 1e-6, unit,
         "each of the four lifting steps doubles the rounding error"},
        lines_shorter_than_filters,
        {{"image_transform", "i = i % period;", ""}}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests blocks of BC4 and BC7 (kernels/block_encoding.cl): values at the limits, one value in all texels, indices
-// whose highest bit is not stored.
+// Tests BC4 and BC7 blocks (kernels/block_encoding.cl) with values at the limits, with one value in all texels, and
+// with indices whose highest bit is not stored.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Values of 0 to 255 of one block, channel by channel; and decoded texels of 0 to 255.
+// Contains the values of one block, from 0 to 255, channel by channel. Decoded texels have the same range.
 using BlockInput = std::vector<float>;
 
 std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, const std::vector<BlockInput>& blocks) {
@@ -41,7 +41,7 @@ std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, cons
   return decoded;
 }
 
-// Root mean square difference of a channel.
+// Returns the root mean square difference of one channel.
 double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 16; ++i) {
@@ -52,7 +52,7 @@ double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) 
   return std::sqrt(sum / 16.0);
 }
 
-// Slopes that end at 0 and at 255, as in occlusion and clamped roughness.
+// Tests blocks in which half of the values are 0 or 255, as in occlusion and clamped roughness.
 void values_at_the_limits(Device& device, WorstError& worst) {
   SplitMix64 random(71);
   std::vector<BlockInput> blocks;
@@ -72,7 +72,7 @@ void values_at_the_limits(Device& device, WorstError& worst) {
   }
 }
 
-// One value in all texels: without range, axis or slope.
+// Tests blocks with equal texels, which have no value range and no principal axis.
 void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& worst) {
   std::vector<BlockInput> blocks;
   const std::size_t channels = format == TexelFormat::kBc7 ? 3 : 1;
@@ -87,7 +87,7 @@ void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& wor
       worst.add(rms_of(decoded[b], blocks[b], static_cast<int>(c)), fmt::format("block {}, channel {}", b, c));
 }
 
-// Slopes that decrease from the first texel on, along every axis of colours, and two colours in two parts.
+// Tests colour ramps that rise or fall from the first texel on, with and without a second part.
 void indices_without_their_highest_bit(Device& device, WorstError& worst) {
   std::vector<BlockInput> blocks;
   for (const bool falls : {false, true})
@@ -117,9 +117,11 @@ std::vector<NumericalCase> block_cases() {
     one_value_in_all_texels(device, TexelFormat::kBc7, worst);
   };
   return {
-      {{"values-at-the-limits", "encode_scalar_blocks", "endpoints that reach 0 and 255 leave few values between them",
+      {{"values-at-the-limits", "encode_scalar_blocks",
+        "if endpoints are 0 and 255, the values between them are far apart",
         "the encoder also tries blocks of six values, which contain 0 and 255 in addition to their endpoints", 0.3,
-        unit + ", above the lowest possible error", "the search steps are a fraction of the rounding of values"},
+        unit + ", in excess of the lowest possible error",
+        "the search steps are smaller than the rounding error of values"},
        values_at_the_limits,
        {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
       {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped endpoints select the six-value mode",
@@ -140,9 +142,9 @@ std::vector<NumericalCase> block_cases() {
        {{"block_encoding", "if (length < 1e-6f) return (float4)", "if (length < -1.0f) return (float4)"},
         {"block_encoding", "return length < 1e-6f ? (float4)", "return length < -1.0f ? (float4)"}}},
       {{"indices-without-their-highest-bit", "encode_colour_blocks",
-        "the highest index bit is not stored for the first texel of the block and of its second line",
-        "if the highest index bit is set, the line's endpoints are swapped", 2.0, unit,
-        "eight indices divide a range of 60 of 255"},
+        "the highest index bit of each subset's anchor texel is not stored",
+        "if the highest index bit is set, the endpoints of the subset are swapped", 2.0, unit,
+        "only eight indices cover a range of 60, on a scale of 255"},
        indices_without_their_highest_bit,
        {{"block_encoding", "if (indices[anchor] <= last / 2) return 0;", "return 0;"}}},
   };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the assignment of four normals to lobes (kernels/movmf_choose.cl) if lobes are equal or a lobe gets no normal.
+// Tests the assignment of four normals to lobes (kernels/movmf_choose.cl) when lobes are equal, or when a lobe gets no
+// normal.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -15,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Every second texel of a row, 16 of one colour, covers 4 normals; all parents have the same lobes.
+// Describes a row of texels that cover 4 normals each. All parents have the same lobes.
 struct ChosenRow {
   std::vector<glm::dvec3> normals;  // [texel][4]
   std::vector<MultumVmfLobe> lobes;
@@ -24,8 +25,8 @@ struct ChosenRow {
 
 constexpr std::size_t kChosenParents = kGroup, kChosenWidth = 2 * kGroup, kChosenMapWidth = 2 * kChosenWidth;
 
-// Returns [lobe][texel]. If `features` is given, it receives [lobe][texel] of the normals as features, divided by the
-// amplitude.
+// Returns lobes as [lobe][texel]. If `features` is given, the normals are also averaged as features: `features`
+// receives [lobe][texel], divided by the amplitude.
 std::vector<MultumVmfLobe> choose_row(Device& device, const ChosenRow& row, int vector_width,
                                       std::vector<glm::dvec3>* features = nullptr) {
   MultumMovmfFit fit = {};
@@ -82,7 +83,7 @@ std::vector<int> chosen_widths(const Device& device) {
   return device.kernels_are_edited() ? std::vector<int>{1} : std::vector<int>{1, device.shape().vector_width};
 }
 
-// All normals are equal: the parent's lobe takes them, although rounding gives them a scatter below 0.
+// All normals are equal, so the parent's lobe gets all of them, although rounding makes their scatter negative.
 void choice_of_equal_normals(Device& device, WorstError& worst) {
   const std::vector<MultumVmfLobe> lobes = {
       {0.6f, 0.0f, 0.8f, 0.25f}, {-0.6f, 0.0f, 0.8f, 0.25f}, {0.0f, 0.6f, 0.8f, 0.25f}, {0.0f, -0.6f, 0.8f, 0.25f}};
@@ -100,7 +101,8 @@ void choice_of_equal_normals(Device& device, WorstError& worst) {
   }
 }
 
-// More lobes than normals, and one NaN normal: every lobe is finite except in that texel.
+// There are more lobes than normals, and one normal is NaN. Every lobe is finite, except in the texel of the NaN
+// normal.
 void choice_without_normals(Device& device, WorstError& worst) {
   constexpr std::size_t kBad = 5;
   for (const bool planar : {false, true}) {
@@ -122,7 +124,7 @@ void choice_without_normals(Device& device, WorstError& worst) {
         for (std::size_t j = 0; j < lobes.size(); ++j) {
           const glm::dvec4 moments = chosen_moments(found[j * kGroup + texel]);
           sum += moments;
-          // Normals as features give the lobe's first moment; for Gaussians in x and y.
+          // If the features are normals, their mean is the lobe's first moment. Gaussians store its x and y.
           glm::dvec3 off = features[j * kGroup + texel] - glm::dvec3(moments);
           if (planar) off.z = 0.0;
           worst.add(glm::length(off), fmt::format("features of texel {}, lobe {}", texel, j));
@@ -143,14 +145,14 @@ void choice_without_normals(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> choose_cases() {
   return {{{"choice-of-equal-normals", "movmf_choose",
-            "rounding makes the scatter negative, and the NaN of its root is never the lowest cost",
-            "a width that highlights cannot show is added under every square root", kNothingWrong, "wrong amplitudes",
-            "every amplitude must be correct"},
+            "rounding makes the scatter negative, and its square root is NaN, which is never the lowest cost",
+            "a width too small to change highlights is added under every square root", kNothingWrong,
+            "wrong amplitudes", "every amplitude must be correct"},
            choice_of_equal_normals,
            {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
           {{"choice-without-normals", "movmf_choose, movmf_feature_chosen",
-            "the mean of a lobe without normals divides 0 by 0", "the lobe keeps the mean of its parent", 1e-6,
-            "absolute error of features and of the sum of a and a r", "four additions are rounded"},
+            "computing the mean of a lobe without normals divides 0 by 0", "the lobe keeps the mean of its parent",
+            1e-6, "absolute error of features and of the sum of a and a r", "four additions are rounded"},
            choice_without_normals,
            {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests EM in one work-item (kernels/movmf_em_texels.cl) on samples that break unguarded formulas. Han et al. 2007,
-// section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM".
+// Tests EM in one work-item (kernels/movmf_em_texels.cl) with samples for which unguarded formulas fail (Han et al.
+// 2007, section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM").
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
-// More lobes than directions, all lobes equal.
+// Tests more lobes than directions; all lobes are equal.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
     for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
@@ -30,7 +30,7 @@ void all_normals_equal(Device& device, WorstError& worst) {
     }
 }
 
-// Two directions, and lobes that find them: kappa is unbounded without the cap.
+// Tests two directions and two lobes that converge to them. Without the cap, kappa is unbounded.
 void kappa_to_the_cap(Device& device, WorstError& worst) {
   for (const double apart : {1.0, 10.0, 90.0, 179.8})
     for (const float cap : {500.0f, 1e5f}) {
@@ -44,7 +44,7 @@ void kappa_to_the_cap(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the kappa with which EM continues, for normals within `width` of their mean.
+// Tests the kappa that EM computes for normals within `width` of their mean.
 void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   for (const double width : {1.0, 0.5, 0.25}) {
     EmTexel texel{{}, equal_lobes({tilted(40.0)}, 100.0)};
@@ -61,7 +61,7 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   }
 }
 
-// One lobe on normals that cancel: r = 0, no direction, kappa -> 0.
+// Fits one lobe to normals that cancel: r is 0, so the lobe has no direction, and kappa approaches 0.
 void opposite_normals_of_one_lobe(Device& device, WorstError& worst) {
   const std::vector<std::vector<glm::dvec3>> sets = {
       {{1, 0, 0}, {-1, 0, 0}}, {{0, 0, 1}, {0, 0, -1}}, {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
@@ -81,7 +81,7 @@ void whole_sphere(Device& device, WorstError& worst) {
   }
 }
 
-// Normals as far as possible from every lobe, with the largest kappa: every density is 0 in float.
+// Tests normals as far as possible from every lobe. Kappa has its maximum, so every density is 0 in float.
 void far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6}) {
     EmTexel texel{repeated({tilted(60, 0.1), tilted(60, 1.4)}, 64),
@@ -92,7 +92,7 @@ void far_from_every_lobe(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe that gets no normals, and a lobe that gets one in a thousand.
+// Tests a lobe that gets no normals, and a lobe that gets one normal in a thousand.
 void dying_lobes(Device& device, WorstError& worst) {
   EmTexel texel{repeated({tilted(5, 0.0), tilted(7, 2.0), tilted(6, 4.0)}, 999),
                 equal_lobes({tilted(5, 0.0), tilted(70, 1.0), tilted(80, 4.0)}, 300.0)};
@@ -116,7 +116,8 @@ void few_normals(Device& device, WorstError& worst) {
     }
 }
 
-// Means of rough areas are shorter than 1; only a caller's mistake makes them longer than 1 or 0.
+// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1; normals of length 0 or longer
+// than 1 are errors of the caller.
 void samples_of_any_length(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-20, 1e-3, 0.5, 0.999999, 1.000001, 1.5}) {
     EmTexel texel{{}, equal_lobes({tilted(10), tilted(50)}, 20.0)};
@@ -127,7 +128,7 @@ void samples_of_any_length(Device& device, WorstError& worst) {
       add_em_errors(device, texel, settings, fmt::format("length {}", length), worst);
       continue;
     }
-    // The reference does not clamp; a stored r is never longer than 1.
+    // The reference does not clamp r, but the stored r is never longer than 1.
     for (const EmForm form : em_forms(device)) {
       const std::vector<FittedTexel> found = fit_texels(device, {texel}, settings, form);
       for (const glm::dvec4& lobe : found.front().lobes)
@@ -136,7 +137,7 @@ void samples_of_any_length(Device& device, WorstError& worst) {
   }
 }
 
-// NaN, Inf and huge normals in one of sixteen texels: the other fifteen must not change by a bit.
+// Tests NaN, infinite and huge normals in one of sixteen texels. No bit of the other fifteen texels may change.
 void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
   constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
   std::vector<EmTexel> good;
@@ -160,7 +161,7 @@ void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
   }
 }
 
-// Components that are -0, denormal, or the smallest normal number.
+// Tests components that are -0, denormal, or the smallest normal number.
 void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   for (const double tiny : {0.0, -0.0, 1e-45, -1e-40, 1.2e-38, 1e-30}) {
     EmTexel texel{repeated({{tiny, -0.0, 1.0}, {-0.0, tiny, 1.0}, {0.6, tiny, 0.8}}, 96),
@@ -170,7 +171,7 @@ void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   }
 }
 
-// Weights within a texel from 2^-28 to 1, as in a binned texel of 2^28 normals.
+// Tests weights from 2^-28 to 1 in one texel, as in a binned texel of 2^28 normals.
 void huge_and_tiny_weights(Device& device, WorstError& worst) {
   for (const double scale : {0x1p-30, 1.0, 0x1p28}) {
     EmTexel texel{{}, equal_lobes({tilted(10, 0.0), tilted(50, 2.0)}, 20.0)};
@@ -186,7 +187,7 @@ std::vector<NumericalCase> sharp_cases() {
   return {
       {{"all-normals-equal-and-all-lobes", "movmf_em_texels, movmf_em_team",
         "the spread is 0 and kappa is infinite, so their product is NaN",
-        "the spread is at least 1e-7, and kappa at most 500 + 10 kappa_1", 4e-6, "absolute error of a and a r",
+        "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1", 4e-6, "absolute error of a and a r",
         "256 equal additions round in the same direction, by at most 256 * 2^-25 in total"},
        all_normals_equal,
        {},
@@ -194,21 +195,22 @@ std::vector<NumericalCase> sharp_cases() {
        {no_floor, no_cap, no_least_share}},
       {{"kappa-to-the-cap", "movmf_em_texels, movmf_em_team",
         "each lobe contains only one direction, so kappa is unbounded",
-        "the spread is at least 1e-7, and kappa at most 500 + 10 kappa_1", 4e-6, "absolute error of a and a r",
+        "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1", 4e-6, "absolute error of a and a r",
         "256 equal additions round in the same direction, by at most 256 * 2^-25 in total"},
        kappa_to_the_cap,
        {},
        {},
        {no_floor, no_cap}},
       {{"kappa-of-sharp-lobes", "movmf_em_texels, movmf_em_team",
-        "|r| comes from a sum of a thousand normals, so 1 - |r| gives no correct digit of kappa 1e5",
+        "|r| is computed from a sum of a thousand normals, so 1 - |r| has no correct digit at kappa 1e5",
         "the spread is a sum of 1 - n . mu, corrected for the rotation of mu", 3e-7, "absolute error of 1/kappa",
-        "the length of mu in float is 1 within 6e-8, and 1 - n . mu is correct within 1.2e-7"},
+        "the length of mu in float differs from 1 by at most 6e-8, and 1 - n . mu has an error of at most 1.2e-7"},
        sharp_lobes_keep_their_kappa,
        {em_edit("const real_v spread = fma(-length, turn, d * inverse);", "const real_v spread = 1.0f - length;")}},
-      {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team", "every density is 0 in float, so shares divide 0 by 0",
-        "the kernel computes logarithms of densities and subtracts the largest", 1e-4, "absolute error of a and a r",
-        "exponents of 1e6 have rounding errors of 6e-8"},
+      {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team",
+        "every density is 0 in float, so computing shares divides 0 by 0",
+        "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
+        "absolute error of a and a r", "exponents of 1e6 have rounding errors of 6e-8"},
        far_from_every_lobe,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
   };
@@ -225,15 +227,16 @@ std::vector<NumericalCase> wide_cases() {
        {em_edit("sqrt(MAX_V(squared, (real_v)(1e-30f)))", "sqrt(squared)"),
         em_edit("directed ? x * length_inverse : mu_x", "x * length_inverse")}},
       {{"the-equator-and-below", "movmf_em_texels, movmf_em_team",
-        "planar coordinates confuse the lower hemisphere with the upper hemisphere",
+        "planar coordinates cannot distinguish the lower hemisphere from the upper hemisphere",
         "directions are 3D vectors, and their z can be negative", 1e-5, "absolute error of a and a r", kEmBoundReason},
        whole_sphere,
        {},
        {},
        {em_edit("fma(-mu_z, z,", "fma(-mu_z, fabs(z),")}},
       {{"lobes-that-die", "movmf_em_texels, movmf_em_team",
-        "the exponent of 2^-1000 wraps, and the share becomes a large number",
-        "a share is at least 2^-100 of the largest; a lobe with an amplitude below 1e-7 keeps its direction and spread",
+        "the exponent of 2^-1000 wraps around, and the share becomes a large number",
+        "each share is at least 2^-100 times the largest share; a lobe with an amplitude below 1e-7 keeps its "
+        "direction and spread",
         1e-5, "absolute error of a and a r", kEmBoundReason},
        dying_lobes,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
@@ -245,7 +248,7 @@ std::vector<NumericalCase> input_cases() {
       {{"one-two-three-normals", "movmf_em_texels, movmf_em_team",
         "if there are more lobes than normals, some spreads are 0", "the spread has a minimum, and kappa has a maximum",
         1e-4, "absolute error of a and a r",
-        "if eight lobes share two normals, each iteration multiplies their differences"},
+        "if eight lobes share two normals, each iteration amplifies their differences"},
        few_normals,
        {},
        {},
@@ -258,8 +261,8 @@ std::vector<NumericalCase> input_cases() {
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
         "a NaN, infinite or huge normal affects neighbouring texels",
-        "lanes share no data and stop separately; readers repair such normals (docs/reference/input_maps.md)",
-        kNothingWrong, "texels changed", "no bit may change"},
+        "lanes share no data and stop separately; readers repair invalid normals (docs/reference/input_maps.md)",
+        kNothingWrong, "changed texels", "no bit may change"},
        a_bad_texel_stays_alone,
        {},
        {},

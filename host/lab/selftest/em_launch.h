@@ -21,7 +21,7 @@ constexpr std::size_t kGroup = MULTUM_GROUP;
 
 /// Explains the bounds of EM's results.
 constexpr char kEmBoundReason[] =
-    "each addition of a sample rounds by 6e-8, and EM multiplies differences by less than 10";
+    "adding a sample rounds by 6e-8, and EM amplifies differences by a factor of less than 10";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // both sides get them rounded to float

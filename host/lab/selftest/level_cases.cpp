@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the kernels around EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl) and of
-// binned ones (movmf_binning.cl), and the finest level (movmf_level_zero.cl).
+// Tests the kernels around EM: starts from a parent's lobes (movmf_start.cl), the packing of normals and of binned
+// normals (movmf_pack.cl), and the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace multum {
 namespace {
 
-// One texel with one parent.
+// Returns the parameters of one texel with one parent.
 MultumMovmfFit one_texel_fit() {
   MultumMovmfFit fit = {};
   fit.map_width = fit.map_height = 2;
@@ -71,7 +71,7 @@ void add_start(Device& device, const MultumVmfLobe& parent, WorstError& worst) {
     const std::string input = fmt::format("|r| = {:.9g}, a = {:.3g}", length, parent.amplitude);
     for (int k = 0; k < 3; ++k) {
       worst.add(found[static_cast<std::size_t>(k)], mu[k], 1.0, input);
-      // Zero remains zero: a lobe without a direction has no prior.
+      // A vector of length 0 stays 0, because a lobe without a direction has no prior.
       const double prior = length > 1e-12 ? 0.1 * static_cast<double>(parent.amplitude) * mu[k] : 0.0;
       worst.add(found[MULTUM_START_PRIOR + static_cast<std::size_t>(k)], prior, 1.0, input);
     }
@@ -93,7 +93,7 @@ void starts_from_degenerate_lobes(Device& device, WorstError& worst) {
   }
 }
 
-// The largest number of finest texels that a texel overlaps along one axis.
+// Returns the largest number of finest texels that a texel overlaps along one axis.
 int span(int map_size, int level_size) {
   int most = 0;
   for (int t = 0; t < level_size; ++t)
@@ -101,7 +101,8 @@ int span(int map_size, int level_size) {
   return most;
 }
 
-// Weights of the samples of a level's texels: the sum for each texel must be W H / (w h), or finest texels count twice.
+// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`; a larger
+// sum means that finest texels are counted twice.
 void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
   MultumMovmfFit fit = {};
   fit.map_width = map_width;
@@ -142,8 +143,8 @@ void strips_and_odd_sizes(Device& device, WorstError& worst) {
       add_coverage(device, width, height, level, worst);
 }
 
-// Converts normals that a BRDF's width has shortened, some of length 0 and some longer than 1, to points of Gaussians
-// with their scatter: one texel each.
+// Converts normals that were shortened for the width of a BRDF to points of Gaussians with their scatter, one normal
+// per texel. Some normals have length 0, and some are longer than 1.
 void shortened_normals_as_points(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-30, 1e-6, 0.5, 0.99, 1.0, 1.1}) {
     std::vector<float> planes[3];
@@ -164,7 +165,7 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
     const std::vector<float> found = downloaded<float>(device, samples);
     for (std::size_t i = 0; i < kGroup; ++i) {
       const glm::dvec3 n(planes[0][i], planes[1][i], planes[2][i]);
-      // Squares below 1e-38 become 0: such normals have no direction and scatter all around.
+      // Squares below 1e-38 are 0 in float, so these normals have no direction and the largest scatter.
       const glm::dvec3 exact = length > 1e-12 ? reference::planar_sample(n, true) : glm::dvec3(0.0, 0.0, 1.0);
       for (int k = 0; k < 3; ++k)
         worst.add(static_cast<double>(found[static_cast<std::size_t>(k) * kGroup + i]), exact[k], 1.0,
@@ -173,8 +174,8 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
   }
 }
 
-// Adjacent texels with very different numbers of cells, one without cells, and slots without a texel. Missing cells
-// must weigh 0, and nothing after a texel's cells may be read.
+// Tests adjacent texels with very different numbers of cells, a texel without cells, and slots without a texel.
+// Missing cells must have weight 0, and data after a texel's last cell must not be read.
 void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count) {
   constexpr int kCapacity = 40, kTexels = 20;
   MultumMovmfFit fit = {};
@@ -188,7 +189,7 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
       binned[static_cast<std::size_t>(t * kCapacity * MULTUM_CONDENSED_SAMPLE + i)] =
           static_cast<float>(std::pow(-10.0, i % 31 - 15));
     list[static_cast<std::size_t>(t == 0 ? 2 : 11 + t)] =
-        t;  // all but one in the second group and at the end of the first
+        t;  // texel 0 is in slot 2; all others are at the end of group 1 or in group 2
   }
   const DeviceBuffer samples =
       uploaded(device, std::vector<float>(2 * kGroup * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison), "samples");
@@ -220,12 +221,12 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   }
 }
 
-// Tests one work-item per group, and several.
+// Tests the packing with one work-item per group, and with several.
 void uneven_cells_by_any_parts(Device& device, WorstError& worst) {
   for (const int part_count : {1, 3}) uneven_cells_side_by_side(device, worst, part_count);
 }
 
-// Returns the numbers of the lobes to which normals are assigned.
+// Returns, for each normal, the index of the lobe to which it is assigned.
 std::vector<int> nearest_lobes(Device& device, const std::vector<MultumVmfLobe>& parent,
                                const std::vector<glm::vec3>& normals) {
   MultumMovmfFit fit = {};
@@ -263,13 +264,15 @@ void a_dead_lobe_takes_nothing(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe of opposite normals (r = 0, exactly or except for rounding) next to a wide one: only directions count.
+// Tests a lobe of opposite normals, whose r is 0 or nearly 0, next to a wide lobe. Only the directions of lobes may
+// affect the choice.
 void directions_of_short_means(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float length : {0.0f, 1e-6f, 0.05f, 0.3f}) {
-    const std::vector<MultumVmfLobe> parent = {{0.0f, 0.0f, -length, 0.5f},  // opposite to all normals except the last
-                                               {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
-                                               {0.0f, 0.6f, 0.6f, 0.2f}};
+    const std::vector<MultumVmfLobe> parent = {
+        {0.0f, 0.0f, -length, 0.5f},  // this lobe is opposite to all normals except the last
+        {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
+        {0.0f, 0.6f, 0.6f, 0.2f}};
     const std::vector<int> found = nearest_lobes(device, parent, {mu, {0.8f, 0.0f, 0.6f}, {0.0f, 0.8f, 0.6f}, -mu});
     const int expected[] = {1, 1, 2, 0};
     for (std::size_t i = 0; i < found.size(); ++i)
@@ -277,7 +280,7 @@ void directions_of_short_means(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe without a direction counts as perpendicular: closer than lobes that point away.
+// A lobe without a direction counts as perpendicular to every normal, so it is closer than lobes that point away.
 void a_lobe_of_no_direction(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float amplitude : {1e-5f, 0.5f}) {
@@ -290,7 +293,7 @@ void a_lobe_of_no_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Any normal must give a valid lobe number: later code would use a larger one as an index.
+// Every normal must get a valid lobe index, because later code uses it as an array index.
 void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<MultumVmfLobe> parent = {{0.0f, 0.0f, 0.9f, 0.5f}, {0.9f, 0.0f, 0.0f, 0.5f}};
@@ -308,8 +311,8 @@ std::vector<NumericalCase> level_cases() {
   return {
       {{"starts-from-degenerate-lobes", "movmf_start",
         "normalising r = 0 divides by zero, and |r| > 1 gives a negative kappa",
-        "r = 0 is replaced by +z; |r| is at most 1, the spread at least 1e-6, amplitudes at least 0.02", 1e-4,
-        "error of mu, C a mu, log2 of the weight (absolute) and kappa (relative)",
+        "r = 0 is replaced by +z; |r| is at most 1, the spread is at least 1e-6, and amplitudes are at least 0.02",
+        1e-4, "error of mu, C a mu, log2 of the weight (absolute) and kappa (relative)",
         "the inverse of kappa and its logarithm have errors of 3.3e-5"},
        starts_from_degenerate_lobes,
        {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"}}},
@@ -319,15 +322,15 @@ std::vector<NumericalCase> level_cases() {
        strips_and_odd_sizes,
        {{"movmf_pack", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
       {{"shortened-normals-as-points", "movmf_pack (planar)",
-        "a normal of length 0 has no projected point, and its facets leave the unit circle",
-        "the divisor is at least 1e-6, and the scatter at most 1 - |p|^2", 1e-6, "absolute error",
+        "a normal of length 0 has no projected point, and its facets are projected outside the unit circle",
+        "the divisor is at least 1e-6, and the scatter is at most 1 - |p|^2", 1e-6, "absolute error",
         "a square root and two quotients are rounded, and 1 - |p|^2 cancels"},
        shortened_normals_as_points,
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
       {{"uneven-cells-side-by-side", "movmf_binned_pack",
         "data after the last cell of a texel counts as samples of the texel",
-        "samples of weight 0 fill every texel up to the largest number of samples", kNothingWrong, "wrong values",
-        "values are only copied"},
+        "every texel is padded with samples of weight 0 up to the largest number of samples", kNothingWrong,
+        "wrong values", "values are only copied"},
        uneven_cells_by_any_parts,
        {{"movmf_pack", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
       {{"a-dead-lobe-takes-nothing", "movmf_level_zero",
@@ -342,7 +345,7 @@ std::vector<NumericalCase> level_cases() {
        directions_of_short_means,
        {{"movmf_level_zero", "1.0f - along / max(length, 1e-12f)", "length - along"}}},
       {{"a-lobe-of-no-direction", "movmf_level_zero",
-        "r = 0 is divided by its length, and the lobe with the resulting NaN is never the closest",
+        "r = 0 is divided by its length, and a lobe with a NaN cosine is never the closest lobe",
         "the divisor is at least 1e-12, so the cosine is 0", kNothingWrong, "wrong texels",
         "every texel must be correct"},
        a_lobe_of_no_direction,

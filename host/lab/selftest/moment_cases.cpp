@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and by LEAN
-// (moment_shade.cl, device/moment_shading.clh): normals at the horizon, variances that are differences of nearly equal
-// numbers, divisions by 0.
+// Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and LEAN
+// (moment_shade.cl, device/moment_shading.clh). The inputs contain normals at the horizon, variances that are
+// differences of nearly equal numbers, and divisors of 0.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ namespace {
 
 double wide(float value) { return static_cast<double>(value); }
 
-// Relative errors above 1, absolute errors below.
+// Adds relative errors for values above 1, and absolute errors for values below 1.
 void add_finest(Device& device, const std::vector<glm::vec3>& normals, bool shortened, WorstError& worst) {
   const std::vector<std::vector<float>> found = finest_moments(device, normals, shortened);
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -85,7 +85,7 @@ void slopes_at_the_horizon(Device& device, WorstError& worst) {
   add_finest(device, normals, true, worst);
 }
 
-// Lengths from 0 to slightly above 1, from rounding.
+// Tests normals with lengths from 0 to above 1.
 void shortened_normals(Device& device, WorstError& worst) {
   std::vector<glm::vec3> normals = {{0.0f, 0.0f, 0.0f}, {-0.0f, 0.0f, -0.0f}, {1e-40f, 0.0f, -1e-40f}};
   for (const float length : {1e-30f, 1e-12f, 1e-3f, 0.5f, 1.0f - 0x1p-20f, 1.0f, 1.0f + 0x1p-20f, 1.25f})
@@ -93,7 +93,7 @@ void shortened_normals(Device& device, WorstError& worst) {
   add_finest(device, normals, true, worst);
 }
 
-// Moments of slopes with mean (s, t) and the given second moments, including the share.
+// Returns moments of slopes with mean (s, t), the given second moments and share 1.
 MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) {
   MultumFilteredMoments m{};
   m.normal_z = m.share = 1.0f;
@@ -101,7 +101,7 @@ MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) 
   return m;
 }
 
-// A half vector with slope (s, t), in the precision of the kernel's input.
+// Returns a half vector with slope (s, t), in the precision of the kernel's input.
 glm::vec4 half_at(double s, double t) { return {glm::vec3(glm::normalize(glm::dvec3(-s, -t, 1.0))), 0.0f}; }
 
 double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) {
@@ -111,8 +111,8 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
   return reference::lean(wide_moments, glm::dvec3(h), s, false);
 }
 
-// Second moments that rounding left below the square of the mean, for slopes up to the largest, 20. Only the BRDF's
-// own variance remains, so no value exceeds its peak.
+// Tests second moments that rounding left below the square of the mean, for slopes up to the largest slope, 20. Only
+// the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -129,7 +129,8 @@ void variance_below_0(Device& device, WorstError& worst) {
       }
 }
 
-// Slopes along one line of the plane: the determinant of Sigma is 0, and only the BRDF's own variance 1/s is across.
+// Tests slopes along one line of the plane. The determinant of Sigma is 0, and across the line only the BRDF's own
+// variance 1/s remains.
 void slopes_along_a_line(Device& device, WorstError& worst) {
   for (const float variance : {4.0f, 64.0f, 256.0f})
     for (const float sign : {1.0f, -1.0f})
@@ -142,8 +143,8 @@ void slopes_along_a_line(Device& device, WorstError& worst) {
       }
 }
 
-// Steep, nearly equal slopes under a sharp highlight, one highlight width away from its peak: tests the loss of E[s^2]
-// - E[s]^2 in single precision, compared with the variance 1/s.
+// Tests steep and nearly equal slopes under a sharp highlight, one highlight width away from its peak. The case
+// compares the rounding error of E[s^2] - E[s]^2 in single precision with the variance 1/s.
 void steep_and_sharp(Device& device, WorstError& worst) {
   for (const double slope : {0.1, 1.0, 5.0, 20.0})
     for (const double variance : {0.0, 1e-6, 1e-4})
@@ -164,7 +165,7 @@ void steep_and_sharp(Device& device, WorstError& worst) {
       }
 }
 
-// Half vectors at and below the horizon, where slope and Jacobian are unbounded.
+// Tests half vectors at and below the horizon, where the slope and the Jacobian are unbounded.
 void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
   std::vector<glm::vec4> h;
   for (const float z : {1.1e-4f, 1e-4f, 1e-20f, 1e-40f, 0.0f, -0.0f, -1e-3f, -1.0f})
@@ -178,7 +179,7 @@ void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
     }
 }
 
-// Mean normals of every length, including 0 and more than 1.
+// Tests mean normals of every length, including 0 and lengths above 1.
 void toksvig_of_every_length(Device& device, WorstError& worst) {
   const glm::dvec3 up(0.0, 0.0, 1.0);
   for (const float length : {0.0f, 1e-40f, 1e-20f, 1e-6f, 0.5f, 1.0f - 0x1p-20f, 1.0f, 1.0f + 0x1p-20f, 1.001f})
@@ -198,7 +199,7 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// Stored levels with share 0, or with a share left by rounding: only the normal map's value remains.
+// Tests stored levels whose share is 0, or a small share left by rounding. Only the value of the normal map remains.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {
@@ -221,11 +222,11 @@ std::vector<NumericalCase> finest_cases() {
   const char* const kUnit = "relative error of values above 1, and absolute error of values below 1";
   return {
       {{"slopes-at-the-horizon", "moment_finest",
-        "a slope at the horizon divides by zero, and the mean slope is infinite",
+        "computing a slope at the horizon divides by zero, and the mean slope is infinite",
         "n_z is at least 0.05, so slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum are rounded"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
-      {{"shortened-normals-to-0", "moment_finest", "the slope of a normal of length 0 divides 0 by 0",
+      {{"shortened-normals-to-0", "moment_finest", "computing the slope of a normal of length 0 divides 0 by 0",
         "n_z is divided by a length of at least 1e-6, and negative variances count as 0", 5e-7, kUnit,
         "a root, a division, a square and a sum are rounded"},
        shortened_normals,
@@ -243,7 +244,7 @@ std::vector<NumericalCase> moment_cases() {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
   add("slope-variance-below-0", "E[s^2] is below the square of E[s], and a negative determinant has no square root",
-      "variances are at least 0", 2e-6, "of the peak, above the peak or below 0",
+      "variances are at least 0", 2e-6, "excess over the peak or shortfall below 0, relative to the peak",
       "a root, a division and an exponential are rounded", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
@@ -257,19 +258,18 @@ std::vector<NumericalCase> moment_cases() {
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
   add("steep-slopes-under-sharp-highlights",
       "half floats have steps of 0.25 at 400, but moments at s = 1e5 need steps of 1e-5",
-      "moments have 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
-      "relative to the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
+      "moments are stored in 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+      "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
       "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon is infinity minus infinity",
-      "the result is 0 for half vectors up to 1e-4 above the horizon", kNothingWrong,
-      "absolute error where the result must be 0; NaN is an error everywhere", "no error is allowed",
+      "the result is 0 for half vectors with z up to 1e-4", kNothingWrong,
+      "absolute error where the result must be 0 (NaN is an error everywhere)", "no error is allowed",
       half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length",
-      "a length above 1 gives a gloss above 1 or below 0, and a length of 0 divides 0 by 0",
-      "the length is 1 minus a spread between 0 and 1; a mean without direction uses any direction", 1e-5,
-      "of the peak", "mu and h are rounded by 6e-8, compared with the angle that the exponent resolves",
-      toksvig_of_every_length,
+      "a mean longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
+      "the length is 1 minus a spread between 0 and 1; for a mean without direction, any direction is used", 1e-5,
+      "of the peak", "mu and h are rounded by 6e-8, and the exponent multiplies the angle", toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
   add("moments-of-no-share", "moments with share 0 are as bright as moments with share 1",

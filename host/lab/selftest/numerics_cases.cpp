@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the functions in kernels/device over their whole range and beyond, and the driver's handling of structs and
-// NaN. docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes", has the formulas.
+// Tests the functions in kernels/device over their whole range and beyond, and how the driver handles structs and NaN.
+// The formulas are in docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace multum {
 namespace {
 
-// In the order of kernels/probe_numerics.cl.
+// Lists the probes in the order of kernels/probe_numerics.cl.
 enum class Probe : int { kExp2, kLog2, kKappa, kIsNan, kLogPeak, kOneMinusLog, kShadingKappa, kVmfPeak, kVmfSpread };
 
 std::vector<double> probed(Device& device, const std::vector<float>& inputs, Probe function) {
@@ -33,7 +33,7 @@ std::vector<double> probed(Device& device, const std::vector<float>& inputs, Pro
   return {values.begin(), values.end()};
 }
 
-// Numbers from `low` to `high`, each `factor` times the previous one.
+// Returns numbers from `low` to `high`, each `factor` times the previous number.
 std::vector<float> decades(double low, double high, double factor) {
   std::vector<float> values;
   for (double x = low; x < high; x *= factor) values.push_back(static_cast<float>(x));
@@ -43,7 +43,7 @@ std::vector<float> decades(double low, double high, double factor) {
 
 std::string at(const char* name, double value) { return fmt::format("{} {:.9g}", name, value); }
 
-// Adds relative errors of a probe against `exact`.
+// Adds the relative errors of a probe, compared with `exact`.
 void add_relative(Device& device, Probe function, const std::vector<float>& inputs, const char* name,
                   const std::function<double(double)>& exact, WorstError& worst) {
   const std::vector<double> values = probed(device, inputs, function);
@@ -76,15 +76,15 @@ void log2_of_normals(Device& device, WorstError& worst) {
   }
 }
 
-// Spreads for kappa from 1e-6 to 1e6. Below a spread of 0.5, kappa grows as its inverse; above, r falls as kappa / 3.
-// The probe's r is 1 - spread, which is exact in float for small spreads.
+// Tests spreads for kappa from 1e-6 to 1e6. Below a spread of 0.5, kappa grows as the inverse of the spread. Above
+// 0.5, r falls as kappa / 3. The r of the probe is 1 - spread, which is exact in float for small spreads.
 void kappa_of_mean_length(Device& device, WorstError& worst) {
   std::vector<float> spreads = decades(1e-6, 0.5, 1.0117);
   for (double r = 0.5; r > 3e-7; r *= 0.97) spreads.push_back(static_cast<float>(1.0 - r));
   add_relative(
       device, Probe::kKappa, spreads, "spread",
       [](double spread) {
-        // A = 1 - 1/kappa to 2e-16 below a spread of 0.05.
+        // Below a spread of 0.05, A = 1 - 1/kappa has an error of at most 2e-16.
         return spread < 0.05 ? 1.0 / spread : reference::kappa_of_mean_length(1.0 - spread);
       },
       worst);
@@ -100,7 +100,7 @@ void log_peak(Device& device, WorstError& worst) {
 }
 
 void shading_kappa(Device& device, WorstError& worst) {
-  // q = 1 - A from kappa 1e6 down to 1e-6.
+  // The inputs are q = 1 - A for kappa from 1e6 down to 1e-6.
   std::vector<float> inputs = decades(1e-6, 0.5, 1.0117);
   for (double mean = 0.5; mean > 3e-7; mean *= 0.97) inputs.push_back(static_cast<float>(1.0 - mean));
   add_relative(
@@ -108,7 +108,7 @@ void shading_kappa(Device& device, WorstError& worst) {
       [](double q) { return q < 0.05 ? 1.0 / q : reference::kappa_of_mean_length(1.0 - q); }, worst);
 }
 
-// A single direction under a BRDF of width 0 has q = 0.
+// Tests a single direction under a BRDF of width 0, so q is 0.
 void shading_kappa_of_nothing(Device& device, WorstError& worst) {
   for (const double kappa : probed(device, {0.0f, -0.0f, 1e-40f}, Probe::kShadingKappa))
     worst.add(std::isfinite(kappa) && kappa > 0.0 ? 0.0 : std::numeric_limits<double>::quiet_NaN(), "q 0");
@@ -127,8 +127,9 @@ void vmf_spreads(Device& device, WorstError& worst) {
       [](double kappa) { return reference::vmf_spread(kappa); }, worst);
 }
 
-// Lobes from single directions to none, facets from mirrors to the whole sphere, and half vectors along, across and
-// against the lobe. Opposite vMFs of equal kappa leave no direction.
+// Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
+// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
+// direction.
 void highlight_cosines(Device& device, WorstError& worst) {
   const glm::dvec3 mu = glm::normalize(glm::dvec3(0.3, -0.2, 0.9)), across = glm::normalize(glm::dvec3(0.9, 0.0, -0.3));
   std::vector<glm::vec4> lobes, half_vectors, lights;
@@ -141,7 +142,7 @@ void highlight_cosines(Device& device, WorstError& worst) {
           half_vectors.emplace_back(glm::dvec4(h, facet_kappa));
           lights.emplace_back(glm::dvec4(light, 0.0));
         }
-  for (const float r : {0.5f, 0.9375f}) {  // uses the device's kappa of the lobe
+  for (const float r : {0.5f, 0.9375f}) {  // the facets have the kappa that the device computes for the lobe
     const auto kappa = static_cast<float>(probed(device, {1.0f - r}, Probe::kShadingKappa)[0]);
     lobes.emplace_back(0.0f, 0.0f, r, 1.0f);
     half_vectors.emplace_back(0.0f, 0.0f, -1.0f, kappa);
@@ -161,7 +162,8 @@ void highlight_cosines(Device& device, WorstError& worst) {
         facet_kappa * glm::dvec3(half_vectors[i]) + (length > 0.0 ? kappa / length * r : glm::dvec3(0.0));
     const double size = glm::length(sum);
     const std::string input = fmt::format("|r| {:.9g}, kappa of the facets {:.3g}, number {}", length, facet_kappa, i);
-    // If both cancel, the remaining direction is due to rounding, so any mean cosine is possible.
+    // If the lobe and the facets cancel, only rounding determines the direction of their sum, so any mean cosine is
+    // possible.
     if (size < 1e-2 * facet_kappa) {
       worst.add(found[i] >= 0.0f && found[i] <= 1.0f ? 0.0 : std::numeric_limits<double>::quiet_NaN(), input);
       continue;
@@ -205,13 +207,13 @@ std::vector<NumericalCase> exponential_cases() {
        exp2_in_range,
        {probe_edit("const real_v f = x - (shifted - 12582912.0f);", "const real_v f = x - trunc(x);")}},
       {{"exp2-far-below-its-range", "device/numerics.clh",
-        "the exponent bits overflow, and results are huge, negative or infinite",
-        "x below -126 is replaced by -126, so the result is tiny but never denormal", 3.5e-7, "relative to 2^-126",
+        "the exponent bits overflow, and results become huge, negative or infinite",
+        "x below -126 is replaced by -126, so the result is tiny but never denormal", 3.5e-7, "times 2^-126",
         "the polynomial and its rounding add 2.2e-7"},
        exp2_below_range,
        {probe_edit("exp2_in_range_v(MAX_V(x, (real_v)(-126.0f)))", "exp2_in_range_v(x)")}},
-      {{"log2-of-every-normal", "device/numerics.clh", "a mantissa between 1 and 2 leaves the range of the series",
-        "the mantissa is between sqrt(1/2) and sqrt(2)", 1.0, "times 5e-7 + 6e-8 |log2 x|",
+      {{"log2-of-every-normal", "device/numerics.clh", "a mantissa between 1 and 2 exceeds the range of the series",
+        "the mantissa is kept between sqrt(1/2) and sqrt(2)", 1.0, "times (5e-7 + 6e-8 |log2 x|)",
         "the series has an absolute error, and rounding adds half a unit in the last place"},
        log2_of_normals,
        {},
@@ -229,14 +231,14 @@ std::vector<NumericalCase> exponential_cases() {
 std::vector<NumericalCase> kappa_cases() {
   return {
       {{"kappa-of-mean-length-12-decades", "device/vmf.clh",
-        "Banerjee's (3r - r^3)/(1 - r^2) has an error of several per cent, and 1 - r^2 cancels",
-        "r G(r)/(1 - r) is used, where G has degree 10; the caller computes 1 - r from small terms", 4e-5,
-        "relative error", "the polynomial has an error of 3.3e-5"},
+        "Banerjee's approximation (3r - r^3)/(1 - r^2) has an error of several per cent, and 1 - r^2 cancels",
+        "r G(r)/(1 - r) is used, where the polynomial G has degree 10; the caller computes 1 - r from small terms",
+        4e-5, "relative error", "the polynomial has an error of 3.3e-5"},
        kappa_of_mean_length,
        {probe_edit("return r * g / spread;", "return r * (3.0f - r * r) / (1.0f - r * r);")}},
       {{"log-peak-to-the-cap", "device/vmf.clh", "kappa / (exp(kappa) - exp(-kappa)) overflows above kappa 89",
         "kappa / (1 - exp(-2 kappa)) does not overflow; EM keeps kappa above 0.05, where nothing cancels", 4e-6,
-        "absolute error of log2", "rounding adds half a unit in the last place at 20, and 6e-8 / 0.095 at kappa 0.05"},
+        "absolute error of log2", "rounding adds half a unit in the last place of 20, and 6e-8 / 0.095 at kappa 0.05"},
        log_peak,
        {probe_edit("return log2_v(amplitude * kappa / (1.0f - exp2_v(kappa * (-2.0f * MULTUM_LOG2E))));",
                    "return log2(amplitude * kappa / (exp(kappa) - exp(-kappa))) + kappa * MULTUM_LOG2E;")}},
@@ -253,7 +255,7 @@ std::vector<NumericalCase> kappa_cases() {
        {probe_edit("max(q * (2.0f - q), 1e-12f)", "(q * (2.0f - q))")}},
       {{"vmf-normaliser-12-decades", "device/vmf_shading.clh", "kappa / (1 - exp(-2 kappa)) divides 0 by 0 at kappa 0",
         "(1 + kappa) / 2 is used below kappa 1e-3", 1e-4, "relative error",
-        "exp2 is rounded near 1, which gives 6e-8 / 2e-3 where the branch begins"},
+        "exp2 near 1 is rounded by 6e-8, which is divided by 2e-3 where the branch begins"},
        vmf_peak,
        {probe_edit("const float scale = kappa > 1e-3f ? kappa", "const float scale = true ? kappa")}},
       {{"vmf-spread-12-decades", "device/vmf_shading.clh", "1/kappa - 2/(exp(2 kappa) - 1) cancels if kappa is near 0",
@@ -276,20 +278,20 @@ std::vector<NumericalCase> numerics_cases() {
   for (NumericalCase& c : kappa_cases()) cases.push_back(std::move(c));
   cases.push_back({{"driver-keeps-nan", "probe_functions",
                     "with -cl-finite-math-only, isnan() is false for every NaN, so guards do nothing",
-                    "no compiler option relaxes mathematics (host/formats/opencl/build_options)", kNothingWrong,
-                    "wrong answers", "every answer must be correct"},
+                    "no compiler option relaxes floating-point rules (host/formats/opencl/build_options)",
+                    kNothingWrong, "wrong answers", "every answer must be correct"},
                    nan_guards,
                    {},
                    {},
                    {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
-  cases.push_back(
-      {{"driver-lays-structs-out-alike", "probe_layout", "every field after a gap is read from the wrong position",
-        "structs contain only ints and floats, never float3, bool or size_t", kNothingWrong, "bytes of difference",
-        "host and device must use the same offsets"},
-       struct_layouts_agree,
-       {},
-       {},
-       {probe_edit("int first_row;\n", "long first_row;\n")}});
+  cases.push_back({{"driver-lays-structs-out-alike", "probe_layout",
+                    "every struct field after a padding gap is read from the wrong offset",
+                    "structs contain only ints and floats, never float3, bool or size_t", kNothingWrong,
+                    "bytes of difference", "host and device must use the same offsets"},
+                   struct_layouts_agree,
+                   {},
+                   {},
+                   {probe_edit("int first_row;\n", "long first_row;\n")}});
   return cases;
 }
 

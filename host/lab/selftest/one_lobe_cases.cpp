@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the fit of one GGX lobe to a texel (kernels/one_lobe.cl): lobes of width 0, normals of length 0, facets behind
-// the mean normal, and texels without facets.
+// Tests the fit of one GGX lobe to a texel (kernels/one_lobe.cl). The inputs contain lobes of width 0, normals of
+// length 0, facets behind the mean normal, and texels without facets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ namespace {
 
 constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // distance between the planes of a texel
 
-// Averages, with equal weights, of the planes that one_lobe_finest makes of the map, and of alpha^2.
+// Returns the averages of alpha^2 and of the planes that one_lobe_finest computes from the map. All texels have equal
+// weights.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {
   const NormalMap& map = *texel.map;
   const std::size_t texels = map.x.size();
@@ -91,7 +92,7 @@ namespace {
 
 constexpr int kGrid = 8;
 
-// Facets of alpha 1 along a spiral, distributed evenly over GGX.
+// Returns facets along a spiral that follow the GGX distribution with alpha 1.
 std::vector<glm::vec2> spiral_facets() {
   std::vector<glm::vec2> facets;
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -111,7 +112,7 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Counts errors of alphas by a tenth: files hold square roots of alphas, and alphas come from sums of squares.
+// Divides errors of alpha by 10: files store square roots of alpha, and alpha is computed from sums of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})
@@ -182,7 +183,7 @@ std::vector<NumericalCase> one_lobe_cases() {
   const auto add = [&](const char* name, const char* without, const char* guard, void (*run)(Device&, WorstError&),
                        const std::vector<SourceEdit>& edits) {
     cases.push_back({{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
-                      "absolute error of the normal; relative errors of alpha count a tenth",
+                      "absolute error of the normal (relative errors of alpha are divided by ten)",
                       "each of 5 EM steps sums 64 terms in float, with an error of about 1e-6 of the lobe's width"},
                      run,
                      edits,
@@ -204,8 +205,8 @@ std::vector<NumericalCase> one_lobe_cases() {
       {edit("(square > 1e-12f) & (square < 1e12f)", "(int_v)(-1)")});
   add("slopes-along-one-line", "the matrix S is singular if all slopes are on one line",
       "correlations are at most 0.996", slopes_of_a_line, {edit("s.xy = MIN_V(MAX_V(s.xy, -most), most);", "")});
-  add("lobes-beyond-alpha-1", "a fit can exceed alpha 1, but files store roughness only up to 1", "alpha is at most 1",
-      lobes_beyond_1,
+  add("lobes-beyond-alpha-1", "a fitted alpha can exceed 1, but files store roughness only up to 1",
+      "alpha is at most 1", lobes_beyond_1,
       {edit("MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f))",
             "MAX_V(sqrt(2.0f * (middle + radius)), least)")});
   add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction, and its normalisation divides by zero",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR and their rounding, on inputs
-// that break a Gaussian over (n_x, n_y): variances that are small differences near the rim, variance 0, no normals.
+// Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR, and the rounding of Gaussians.
+// For these inputs, a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and lobes without
+// normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -37,7 +38,7 @@ glm::dvec3 point(double degrees, double azimuth = 0.3) {
 
 constexpr double kTilts[] = {0.0, 30.0, 60.0, 80.0, 89.0, 90.0};
 
-// A thousand normals within `width` degrees of a tilt.
+// Returns a texel of a thousand normals within `width` degrees of a tilt.
 EmTexel narrow_texel(double degrees, double width) {
   EmTexel texel{{}, equal_lobes({point(degrees)}, 100.0)};
   for (int i = 0; i < 1000; ++i)
@@ -56,7 +57,7 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// One repeated point and a distant mean: D/S and Steiner's term are equal except for rounding.
+// Tests one repeated point and a distant mean. D/S and Steiner's term are equal except for rounding.
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -66,7 +67,7 @@ void variance_never_negative(Device& device, WorstError& worst) {
   }
 }
 
-// Every density is 0 in float.
+// Tests points at which every density is 0 in float.
 void far_from_every_gaussian(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6})
     add_em_errors(device,
@@ -74,7 +75,7 @@ void far_from_every_gaussian(Device& device, WorstError& worst) {
                   planar_settings(2), fmt::format("kappa {}", kappa), worst);
 }
 
-// A lobe that gets no normals, and a lobe that gets one in a thousand.
+// Tests a lobe that gets no normals, and a lobe that gets one normal in a thousand.
 void dying_gaussians(Device& device, WorstError& worst) {
   EmTexel texel{repeated({point(5, 0.0), point(7, 2.0), point(6, 4.0)}, 999),
                 equal_lobes({point(5, 0.0), point(70, 1.0), point(80, 4.0)}, 300.0)};
@@ -84,7 +85,7 @@ void dying_gaussians(Device& device, WorstError& worst) {
   add_em_errors(device, texel, planar_settings(8), "none", worst);
 }
 
-// More lobes than points; then one repeated point with equal lobes.
+// Tests more lobes than points, and then equal lobes at one repeated point.
 void few_points(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
@@ -103,7 +104,8 @@ void few_points(Device& device, WorstError& worst) {
     }
 }
 
-// The cap of a texel of three lobes: two share some points, the third has none. Sums are those of an E-step, about mu.
+// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums
+// are the sums of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
@@ -148,7 +150,7 @@ void caps_of_narrow_texels(Device& device, WorstError& worst) {
       }
 }
 
-// Cells of equal normals at any tilt: tests their scatter from movmf_bin_means.
+// Tests the scatter that movmf_bin_means computes for cells of equal normals at any tilt.
 void scatter_of_equal_normals(Device& device, WorstError& worst) {
   constexpr int kCells = 400;
   std::vector<std::int64_t> cells;
@@ -177,7 +179,7 @@ std::vector<glm::vec4> directions_around(double degrees) {
   return directions;
 }
 
-// Compares with the formula in double, relative to the peak of an upright lobe.
+// Compares the shading with the formula in double, relative to the peak of an upright lobe.
 void add_density(Device& device, const glm::vec4& lobe, double s, const std::vector<glm::vec4>& directions,
                  const std::string& input, WorstError& worst) {
   const glm::dvec4 wide(lobe);
@@ -187,7 +189,7 @@ void add_density(Device& device, const glm::vec4& lobe, double s, const std::vec
     worst.add(values[i], reference::gmm_density(wide, s, glm::dvec3(directions[i])), peak, input);
 }
 
-// The third value is less than the square of the mean, as rounding and filtering may leave it.
+// Tests lobes whose third value is less than the square of the mean. Rounding and filtering can produce these lobes.
 void filtered_variance_below_0(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0})
     for (const float missing : {0.0f, 1e-6f, 3e-5f, 5e-4f})
@@ -213,7 +215,8 @@ void vanishing_gaussian(Device& device, WorstError& worst) {
   }
 }
 
-// Tests how lobes of amplitude 1 keep 2 sigma^2 at the limit of an encoding, and that single directions get no spread.
+// Tests the stored 2 sigma^2 of lobes with amplitude 1 at the limit of an encoding. Also tests that single directions
+// get no spread.
 void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
   SplitMix64 random(2005);
   for (const double variance : {0.0, 1.0 / static_cast<double>(gmm_kappa_max(encoding))}) {
@@ -255,8 +258,8 @@ std::vector<NumericalCase> fit_cases() {
   const char* const kUnit = "absolute error of a, a mu and a sigma^2";
   return {
       {{"planar-variance-at-the-rim", kFormula, "E|p|^2 - |E p|^2 cancels for points near the rim",
-        "the mean squared distance from the last mean is computed, and the squared shift is subtracted (Steiner)", 1e-4,
-        "relative error of sigma^2", "a thousand additions are rounded"},
+        "the variance is the mean squared distance from the last mean, minus the squared shift of the mean (Steiner)",
+        1e-4, "relative error of sigma^2", "a thousand additions are rounded"},
        variance_at_the_rim,
        {em_edit("const real_v spread = fma(d, inverse, -half_square(m.x - mu_x, m.y - mu_y));",
                 "const real_v spread = (d * inverse + (m.x * mu_x + m.y * mu_y - half_square(mu_x, mu_y))) - "
@@ -266,26 +269,27 @@ std::vector<NumericalCase> fit_cases() {
         "the variance is at least 0", kNothingWrong, "absolute error of negative values", "no value may be negative"},
        variance_never_negative,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
-      {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float, so shares divide 0 by 0",
-        "the kernel computes logarithms of densities and subtracts the largest", 1e-4, kUnit,
+      {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float, so computing shares divides 0 by 0",
+        "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4, kUnit,
         "exponents of 1e6 have rounding errors of 6e-8"},
        far_from_every_gaussian,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
-      {{"planar-lobes-that-die", kFormula, "the exponent of 2^-1000 wraps, and the share becomes a large number",
-        "a share is at least 2^-100 of the largest; a lobe with an amplitude below 1e-7 keeps its mean and sigma^2",
+      {{"planar-lobes-that-die", kFormula, "the exponent of 2^-1000 wraps around, and the share becomes a large number",
+        "each share is at least 2^-100 times the largest share; a lobe with an amplitude below 1e-7 keeps its mean and "
+        "sigma^2",
         1e-5, kUnit, kEmBoundReason},
        dying_gaussians,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
       {{"planar-one-two-three-points", kFormula,
-        "if there are more lobes than points, sigma^2 is 0 and its inverse infinite",
-        "sigma^2 is at least 1e-7, and its inverse at most 500 + 10 kappa_1", 1e-4, kUnit,
-        "equal lobes compete, and each iteration multiplies their differences"},
+        "if there are more lobes than points, sigma^2 is 0 and its inverse is infinite",
+        "sigma^2 is at least 1e-7, and its inverse is at most 500 + 10 kappa_1", 1e-4, kUnit,
+        "equal lobes compete, and each iteration amplifies their differences"},
        few_points,
        {},
        {},
        {no_floor, no_cap}},
-      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "the mean of a lobe without points divides 0 by 0",
-        "the divisor is at least 1e-30, and the variance at least 1e-6", 2e-4, "relative error of the cap",
+      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "computing the mean of a lobe without points divides 0 by 0",
+        "the divisor is at least 1e-30, and the variance is at least 1e-6", 2e-4, "relative error of the cap",
         "the squared distance of 3 degrees has an error of 1.2e-7, relative to the minimum variance"},
        caps_of_narrow_texels,
        {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
@@ -306,14 +310,15 @@ std::vector<NumericalCase> planar_cases() {
       {{"planar-filtered-variance-below-0", "movmf_shade (planar)",
         "after rounding and filtering, the third value is below the squared mean, and the variance is negative",
         "the lobe's variance is at least 0, so only the facets' variance remains", 2e-3, "of an upright lobe's peak",
-        "a mean near 1 is rounded twice by 6e-8, compared with a variance of 1e-4"},
+        "a mean near 1 is rounded twice by 6e-8, and the variance is only 1e-4"},
        filtered_variance_below_0,
        {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
-      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe without normals is divided by its amplitude of 0",
+      {{"planar-amplitude-to-0", "movmf_shade (planar)",
+        "a lobe without normals is divided by its amplitude, which is 0",
         "lobes with amplitudes up to 1e-6 are ignored", 6e-4,
-        "relative to an upright lobe's peak; light that must be 0 counts as an error of 1",
-        "a mean near 1 is rounded twice by 6e-8, compared with a variance of 1e-4"},
+        "of an upright lobe's peak (light that must be 0 counts as an error of 1)",
+        "a mean near 1 is rounded twice by 6e-8, and the variance is only 1e-4"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests averages of every level (kernels/mip_box.cl) and reflectance maps (reflectance_pyramid.cl, Williams 1983).
-// Inputs: numbers that arithmetic would change, sums over more texels than a float can count, highlights narrower than
-// a texel, light along and behind the surface.
+// Tests the averages of every level (kernels/mip_box.cl) and reflectance maps (reflectance_pyramid.cl, Williams 1983).
+// The inputs contain values that arithmetic would change, sums over more texels than a float can count, highlights
+// narrower than a texel, and light along and behind the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kLocal = 64;  // launches are rounded up to it
+constexpr std::size_t kLocal = 64;  // launch sizes are rounded up to a multiple of this number
 
 MultumBoxBand band_of(int width, int rows, int planes, int row_length) {
   MultumBoxBand band{};
@@ -69,7 +69,7 @@ namespace {
 constexpr MultumBoxBand kOddBands[] = {
     {1, 1, 0, 1, 12, 1, 0, 0}, {37, 5, 0, 5, 48, 3, 0, 0}, {64, 1, 0, 1, 75, 8, 0, 0}, {1, 37, 0, 37, 9, 2, 0, 0}};
 
-// Numbers that arithmetic might change: signed zeros, denormal numbers, the ends of the range, NaN.
+// Returns numbers that arithmetic can change: signed zeros, denormal numbers, the limits of the range, and NaN.
 std::vector<float> odd_numbers(std::size_t count) {
   constexpr float kOdd[] = {0.0f,     -0.0f,   1e-45f,     -1e-40f,      0x1p-126f, 3.4028235e38f, -HUGE_VALF,
                             1.0f / 3, -1e-30f, 16777217.f, -16777216.0f, kPoison,   0.1f};
@@ -84,8 +84,8 @@ std::string text_of(const MultumBoxBand& band) {
 
 constexpr float kUntouched = -12345.0f;
 
-// Runs `fill` on nodes with room for a launch's surplus work-items. Compares bit by bit with `expected(plane, row,
-// column)` where there is a texel; the rest must not change.
+// Runs `fill` on a buffer of nodes that is large enough for the surplus work-items of a launch. Every texel must equal
+// `expected(plane, row, column)` bit by bit, and the rest of the buffer must not change.
 void add_nodes(Device& device, const MultumBoxBand& band,
                const std::function<void(const DeviceBuffer& nodes, std::size_t items)>& fill,
                const std::function<float(int plane, int row, int column)>& expected, WorstError& worst) {
@@ -121,7 +121,7 @@ void texels_keep_their_bits(Device& device, WorstError& worst) {
   }
 }
 
-// Three planes after `kBefore` others, which must not change.
+// Fills three planes behind `kBefore` other planes, which must not change.
 void features_keep_their_bits(Device& device, WorstError& worst) {
   constexpr int kBefore = 5;
   for (MultumBoxBand band : kOddBands) {
@@ -146,7 +146,8 @@ void features_keep_their_bits(Device& device, WorstError& worst) {
   }
 }
 
-// Rows of equal texels, of 1e6-fold contrast and either sign, denormal, and as large as their sum allows.
+// Returns rows of equal texels, of texels with a contrast of 1e6 and both signs, of denormal texels, and of texels as
+// large as their sum allows.
 std::vector<std::vector<float>> rows_to_sum(int width) {
   SplitMix64 random(15);
   std::vector<std::vector<float>> rows(4, std::vector<float>(static_cast<std::size_t>(width)));
@@ -159,7 +160,7 @@ std::vector<std::vector<float>> rows_to_sum(int width) {
   return rows;
 }
 
-// Adds |found - exact sum| relative to the sum of magnitudes; allows for values that a device treats as 0.
+// Adds |found - exact sum|, relative to the sum of magnitudes. Allows devices to treat denormal values as 0.
 void add_sum(double found, const float* begin, const float* end, const std::string& input, WorstError& worst) {
   double sum = 0.0, magnitude = 0.0;
   for (const float* x = begin; x != end; ++x) {
@@ -184,7 +185,7 @@ void blocks_of_32768(Device& device, WorstError& worst) {
   }
 }
 
-// Adds from left to right instead of in pairs.
+// Adds texels from left to right instead of in pairs.
 void rows_from_left_to_right(WorstError& worst) {
   const std::vector<float> row = rows_to_sum(32768)[0];
   float sum = 0.0f;
@@ -192,8 +193,8 @@ void rows_from_left_to_right(WorstError& worst) {
   add_sum(static_cast<double>(sum), row.data(), row.data() + row.size(), "equal texels", worst);
 }
 
-// A map of 2^30 texels, the largest possible: each row's sum is one node, and a column of the coarsest level adds all
-// of them.
+// Tests a map of 2^30 texels, the largest possible map. The sum of each row is one node, and one column of the
+// coarsest level adds all nodes.
 void average_of_2_30(Device& device, WorstError& worst) {
   constexpr int kSide = 32768;
   SplitMix64 random(30);
@@ -234,8 +235,8 @@ MultumReflectanceLight device_light(const reference::DistantLight& light) {
   return {l.x, l.y, l.z, 0.0f, h.x, h.y, h.z, 0.0f, e.x, e.y, e.z, 0.0f};
 }
 
-// Compares rows of a reflectance map, from `first_row` on, with the mean over the normals of a texel; errors are
-// relative to the brightest.
+// Compares rows of a reflectance map, from `first_row` on, with the mean over all normals of each texel. Errors are
+// relative to the brightest texel.
 void add_reflectance(Device& device, const ReflectanceTest& test, int first_row, WorstError& worst) {
   std::vector<MultumReflectanceLight> lights;
   for (const reference::DistantLight& light : test.lights) lights.push_back(device_light(light));
@@ -296,7 +297,7 @@ void highlights_of_1e5(Device& device, WorstError& worst) {
     add_reflectance(device, {64, 8, exponent, {light_from(20.0, 0.4, glm::dvec3(1.0))}}, 16, worst);
 }
 
-// One texel, and odd sizes: thousands of normals per texel, lights of 1e-6 to 1e6.
+// Tests a level of one texel, and odd sizes, with thousands of normals per texel and lights from 1e-6 to 1e6.
 void normals_of_a_texel(Device& device, WorstError& worst) {
   const std::vector<reference::DistantLight> lights = {light_from(0.0, 0.0, {1e-6, 1.0, 1e6}),
                                                        light_from(40.0, 1.0, {1e6, 1e-6, 1.0}),
@@ -306,8 +307,8 @@ void normals_of_a_texel(Device& device, WorstError& worst) {
   add_reflectance(device, {5, 32, 10.0, lights}, 2, worst);
 }
 
-// A light along the surface and one from behind: only surfaces that face them are lit. Light from straight behind has
-// no effect.
+// Tests a light along the surface and a light from behind. Only surfaces that face a light are lit. Light from
+// straight behind has no effect.
 void light_from_behind(Device& device, WorstError& worst) {
   for (const double degrees : {89.9, 90.0, 90.1, 179.0})
     for (const double exponent : {1.0, 50.0})
@@ -327,14 +328,14 @@ std::vector<NumericalCase> box_cases() {
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
       {{"blocks-of-32768-texels", "mip_blocks",
         "adding 32768 equal texels from left to right always rounds in the same direction",
-        "texels are added in pairs, then pairs are added, and so on: 15 roundings", 1e-6, "of the sum of magnitudes",
-        "15 roundings add up to 15 * 6e-8"},
+        "texels are added in pairs, then the pairs are added in pairs, and so on, which rounds only 15 times", 1e-6,
+        "of the sum of magnitudes", "15 roundings add up to 15 * 6e-8"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
       {{"average-of-2-30-texels", "mip_levels",
-        "the sum rounds 32768 times, by half a unit in the last place each time", "sums down the rows are compensated",
-        1.2e-7, "relative error", "only the share and the result are rounded"},
+        "the sum is rounded 32768 times, by half a unit in the last place each time",
+        "compensated summation adds the rows", 1.2e-7, "relative error", "only the share and the result are rounded"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
          "      sum += value;\n      continue;"}}},
@@ -353,7 +354,7 @@ std::vector<NumericalCase> pyramid_cases() {
   add("highlights-narrower-than-texels",
       "1 - n . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
       "1 - n . h is computed as |n - h|^2 / 2", 2e-5,
-      "n and h are rounded by 6e-8, compared with |n - h| of about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
+      "n and h are rounded by 6e-8, and |n - h| is only about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
   add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
@@ -363,7 +364,7 @@ std::vector<NumericalCase> pyramid_cases() {
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
   add("light-from-behind", "a light darkens surfaces that face away from the light",
       "light with n . l <= 0 adds nothing", 1e-5,
-      "n and h are rounded by 6e-8, compared with |n - h| of about 0.2 in a highlight of s = 50", light_from_behind,
+      "n and h are rounded by 6e-8, and |n - h| is about 0.2 in a highlight of s = 50", light_from_behind,
       {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
   return cases;
 }

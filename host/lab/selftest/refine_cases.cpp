@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the refinement of lobes (kernels/movmf_refine.cl) on texels that break unguarded formulas.
+// Tests the refinement of lobes (kernels/movmf_refine.cl) with texels for which unguarded formulas fail.
 #include <cmath>
 #include <numeric>
 
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Refines a texel of a level of one row, with at most one neighbour, on its right.
+// Refines a texel in a level of one row. The texel has at most one neighbour, on its right.
 std::vector<MultumVmfLobe> refine_texel(Device& device, const reference::RefinedTexel& texel, int vector_width) {
   const std::vector<reference::Sample>& samples = texel.samples;
   const std::size_t width = 1 + texel.beside.size();
@@ -65,13 +65,13 @@ void compare(Device& device, const reference::RefinedTexel& texel, WorstError& w
   }
 }
 
-// r = 0: neither direction nor sharpness.
+// Tests r = 0, which has neither direction nor sharpness.
 void lobe_without_direction(Device& device, WorstError& worst) {
   const std::vector<reference::MeanLobe> lobes = {{glm::dvec3(0.0), 0.5}, {{0.6, 0.0, 0.6}, 0.5}};
   compare(device, {repeated({{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}}, 64), lobes, {}}, worst);
 }
 
-// Lobes opposite to those of the neighbour: mixed with them they have length 0, and no lobe may turn.
+// Tests lobes that are opposite to the lobes of the neighbour. The mixed vector has length 0, and no lobe may turn.
 void opposite_lobes_beside(Device& device, WorstError& worst) {
   const std::vector<reference::MeanLobe> lobes = {{{0.0, 0.0, 0.75}, 0.5}, {{0.5, 0.0, 0.5}, 0.5}};
   const std::vector<reference::MeanLobe> beside = {{{0.0, 0.0, -0.75}, 0.5}, {{-0.5, 0.0, -0.5}, 0.5}};
@@ -81,9 +81,9 @@ void opposite_lobes_beside(Device& device, WorstError& worst) {
 }  // namespace
 
 std::vector<NumericalCase> refine_cases() {
-  return {{{"refined-lobes-without-direction", "movmf_refine", "the peak of a lobe with kappa 0 divides 0 by 0",
-            "kappa is at least 0.05", 2e-3, "absolute error of a and a r",
-            "the polynomial for kappa has an error of 3e-5 in each of ten damped steps"},
+  return {{{"refined-lobes-without-direction", "movmf_refine",
+            "computing the peak of a lobe with kappa 0 divides 0 by 0", "kappa is at least 0.05", 2e-3,
+            "absolute error of a and a r", "the polynomial for kappa has an error of 3e-5 in each of ten damped steps"},
            lobe_without_direction,
            {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
              "kappa_of_mean_length(mean, spread)"}}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) at order 20, at the poles, and for vectors that are
+// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) of order 20, at the poles, and for vectors that are
 // not unit vectors.
 #include <fmt/format.h>
 
@@ -81,7 +81,8 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
 
 namespace {
 
-// Square root of the sum of Y_lm^2 over m, the bound of |Y_lm| for every m: the unit of every coefficient's error.
+// Returns the square root of the sum of Y_lm^2 over all m, which bounds |Y_lm| for every m. Errors of coefficients are
+// relative to this bound.
 double bound_of_band(int l) { return std::sqrt((2.0 * l + 1.0) / (4.0 * std::numbers::pi)); }
 
 glm::vec3 random_direction(SplitMix64& random) {
@@ -90,7 +91,7 @@ glm::vec3 random_direction(SplitMix64& random) {
   return glm::vec3(side * std::cos(phi), side * std::sin(phi), z);
 }
 
-// Compares each coefficient of each normal with the definition at `meant`, which may have any length.
+// Compares each coefficient of each normal with the definition at `meant`. The normals can have any length.
 void add_basis(Device& device, int order, const std::vector<glm::vec3>& normals, const std::vector<glm::dvec3>& meant,
                WorstError& worst) {
   const std::vector<std::vector<float>> found = project_sh(device, order, normals);
@@ -123,7 +124,8 @@ void basis_to_order_20(Device& device, WorstError& worst) {
 
 constexpr double kMeanCosines[] = {0.5, 0.51, 0.6, 0.8, 0.95, 0.99, 0.9999, 0.999999};
 
-// Normals that a BRDF's width has shortened, from the widest to the sharpest that is not a single direction.
+// Tests normals that were shortened for the width of a BRDF, from the widest lobe to the sharpest lobe that is not a
+// single direction.
 void rough_normals(Device& device, WorstError& worst) {
   constexpr int kOrder = 20;
   SplitMix64 random(21);
@@ -141,7 +143,7 @@ void rough_normals(Device& device, WorstError& worst) {
   }
 }
 
-// a_(l+1) = a_(l-1) - (2l + 1) / kappa a_l, upwards from a_0 = 1 and a_1 = c, in float.
+// Computes `a_(l+1) = a_(l-1) - (2l + 1) / kappa a_l` upwards from `a_0 = 1` and `a_1 = c` in float.
 void upward_zonal(WorstError& worst) {
   for (const double c : kMeanCosines) {
     const ZonalCoefficients exact = zonal_vmf(20, c);
@@ -157,7 +159,7 @@ void upward_zonal(WorstError& worst) {
   }
 }
 
-// P_lm by the textbook recurrence, then sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!), all in float.
+// Computes P_lm by the textbook recurrence and multiplies by `sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!)`, all in float.
 void textbook_basis(WorstError& worst) {
   for (const glm::vec3& n : all_directions())
     for (int m = 0; m <= 20; ++m) {
@@ -197,7 +199,7 @@ void poles(Device& device, WorstError& worst) {
   add_basis(device, 20, normals, as_double(normals), worst);
 }
 
-// cos phi = x / sin theta.
+// Computes `cos phi = x / sin theta`.
 void divided_by_sine(WorstError& worst) {
   for (const glm::vec3& n : polar_directions()) {
     const float side = std::sqrt(std::max(0.0f, 1.0f - n.z * n.z)), cosine = n.x / side;
@@ -222,7 +224,7 @@ void no_direction(Device& device, WorstError& worst) {
   add_basis(device, 8, normals, std::vector<glm::dvec3>(normals.size(), glm::dvec3(0.0, 0.0, 1.0)), worst);
 }
 
-// A single tilt at order 4 rings: negative values of the series must not become light.
+// Tests a single tilt at order 4, whose series oscillates. Negative values of the series must not become light.
 void ringing(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 4, 8, 20}) {
@@ -233,7 +235,7 @@ void ringing(Device& device, WorstError& worst) {
   }
 }
 
-// Two opposite tilts with equal shares: the mean direction is almost undefined, but there is a highlight on both sides.
+// Tests two opposite tilts with equal shares. The mean direction is almost undefined, but both sides have a highlight.
 void opposite_tilts(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 8, 20})
@@ -265,7 +267,7 @@ SourceEdit direction_edit(const std::string& text, const std::string& replacemen
 }  // namespace
 
 std::vector<NumericalCase> sh_cases() {
-  const std::string unit = "relative to the largest value in its band";
+  const std::string unit = "of the largest value in the band";
   const std::string reason = "1 - z^2 has an error of 6e-8 l^2 / 2 near a pole, and the recurrence has 20 steps";
   return {
       {{"harmonics-to-order-20", "sh_project", "(l + m)! and P_lm overflow: 40! exceeds the range of a float",
@@ -274,18 +276,18 @@ std::vector<NumericalCase> sh_cases() {
        {},
        textbook_basis},
       {{"harmonics-at-the-poles", "sh_project", "x / sin theta divides 0 by 0 at the poles",
-        "(x + iy)^m contains the factor sin^m, so nothing is divided", 1e-5, unit, reason},
+        "(x + iy)^m contains the factor sin^m, so no division is needed", 1e-5, unit, reason},
        poles,
        {},
        divided_by_sine},
       {{"harmonics-of-vectors-not-unit", "sh_project",
-        "(x + iy)^20 overflows for long vectors, and squares of 1e-30 are 0",
+        "(x + iy)^20 overflows for long vectors, and squares of 1e-30 underflow to 0",
         "vectors are scaled by their largest component and then normalised", 1e-5, unit, reason},
        not_unit,
        {direction_edit("const float3 scaled = (float3)(x / largest, y / largest, z / largest);",
                        "return (float3)(x, y, z);\n  const float3 scaled = (float3)(x, y, z);")}},
       {{"harmonics-of-no-direction", "sh_project", "a normal of length 0 makes every coarser texel NaN",
-        "normals of length 0 point up", 1e-6, unit, "the direction is a pole, where z and 1 are exact"},
+        "normals of length 0 are treated as pointing up", 1e-6, unit, "the direction is a pole, where z is exactly 1"},
        no_direction,
        {direction_edit("if (!(largest > 0.0f && largest < INFINITY) || isnan(x + y + z))", "if (0)")}},
       {{"harmonics-of-rough-normals", "sh_project", "upward recurrence for the zonal coefficients of a vMF cancels",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) for parameters that are 0, 1 or
-// extreme. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe". Lobes point along +z, so that (a r, a) is exact
-// in float and only the formula causes an error.
+// extreme (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"). Lobes point along +z, so (a r, a) is exact in
+// float, and only the formula causes an error.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ glm::vec4 lobe_of(double amplitude, double spread) {
 
 constexpr double kSpreads[] = {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0 - 0x1p-20, 1.0};
 
-// Compares with the formula in double, relative to the peak of the lobe.
+// Compares the shading with the formula in double, relative to the peak of the lobe.
 void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, double s,
                      const std::vector<glm::vec4>& directions, WorstError& worst) {
   const double amplitude = static_cast<double>(lobe.w), peak = reference::product_blinn_phong(s, spread, 0.0);
@@ -96,7 +96,7 @@ void exponents_to_1e5(Device& device, WorstError& worst) {
                       worst);
 }
 
-// 90 degrees itself is omitted, because the power 0 is a step there.
+// Omits 90 degrees, because a power with exponent 0 has a step there.
 void horizon_and_below(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = {direction(0.5 * std::numbers::pi - 1e-4),
                                              direction(0.5 * std::numbers::pi + 1e-4),
@@ -122,7 +122,8 @@ void no_mean_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Amplitudes that filtering leaves: errors are relative to the amplitude; below 1e-6 the result must be 0.
+// Tests small amplitudes that filtering leaves. Errors are relative to the amplitude, and the result must be 0 below
+// an amplitude of 1e-6.
 void vanishing_amplitude(Device& device, WorstError& worst) {
   for (const double amplitude : {0.5, 1e-3, 1.0 / 32767.0, 2e-6, 1.01e-6, 1e-6, 1e-8, 1e-30, 1e-40, 0.0}) {
     const glm::vec4 lobe = lobe_of(amplitude, 0.125);
@@ -137,7 +138,7 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
   }
 }
 
-// GGX as a sum of vMFs, some of them negative, compared with the same sum in double.
+// Tests GGX as a sum of vMFs with positive and negative weights, compared with the same sum in double.
 void terms_of_either_sign(Device& device, WorstError& worst) {
   Highlight ggx;
   ggx.brdf.kind = BrdfKind::kGgx;
@@ -178,7 +179,7 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
+  const char* kReason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   return {
       {{"exponents-to-1e5", "movmf_shade",
         "1 - mu . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
@@ -211,22 +212,24 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "an empty lobe is divided by its amplitude of 0, or reflects light from a direction that is rounding error",
+        "an empty lobe is divided by its amplitude, which is 0, or reflects light from a direction that is only "
+        "rounding "
+        "error",
         "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
-        "relative to the peak times the amplitude; light that must be 0 counts as an error of 1",
-        "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent"},
+        "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
+        "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
   cases.push_back({{"terms-of-either-sign", "movmf_shade",
                     "a sum of positive and negative vMFs can be below 0, and negative light darkens its surroundings",
-                    "the sum over the terms of a lobe is at least 0", 6e-4, "relative to the sum of the terms' peaks",
+                    "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
                     "the inverse of kappa has an error of 2.3e-4 in every term"},
                    terms_of_either_sign,
                    {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, ignores the spread",
-        "the mean of a folded normal distribution is used, which is exact at |r| = 1 and r = 0", 2.5e-3,
+        "the mean of a folded normal distribution is used; this mean is exact at |r| = 1 and r = 0", 2.5e-3,
         "absolute error", "the model has an error of 0.22 % (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});

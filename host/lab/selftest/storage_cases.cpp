@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the effect of rounding to the file's encodings on a lobe's spread
+// Tests how the rounding of the file encodings affects the spread of a lobe
 // (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs: rounding
-// is the last step that can lose a kernel's result.
+// is the last step in which a kernel's result can lose accuracy.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -52,7 +52,7 @@ Rounding rounding(StorageEncoding encoding, bool naive) {
   return [=](const Texels& texels) { return naive ? by_channel(texels, encoding) : as_stored(texels, encoding); };
 }
 
-// Four lobes of one direction each: tests their stored spread, 1 - |r|.
+// Tests the stored spread, 1 - |r|, of four lobes that contain one direction each.
 void single_directions(const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(32767);
   Texels texels;
@@ -74,7 +74,7 @@ void single_directions(const Rounding& rounded, WorstError& worst) {
     }
 }
 
-// One lobe of amplitude 1, with increasing sharpness up to the limit of the encoding.
+// Tests one lobe of amplitude 1, whose sharpness increases up to the limit of the encoding.
 void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstError& worst) {
   for (const double share : {0.1, 0.5, 1.0}) {
     const double kappa = share * static_cast<double>(storage_kappa_max(encoding));
@@ -91,7 +91,7 @@ void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstEr
   }
 }
 
-// Compares with rounding as described in docs/reference/file_format.md.
+// Compares stored texels with the rounding that docs/reference/file_format.md describes.
 void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(7);
   Texels texels;
@@ -114,13 +114,14 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
   return {
       {{name + "-single-directions", formula, lost + ", which blurs a highlight",
         "the four values are rounded together; for a single direction, r never becomes shorter", 1e-7,
-        "absolute error of 1 - |r|", "the spread must be 0, except for the rounding of its float"},
+        "absolute error of 1 - |r|", "the spread must be 0, except for float rounding"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
-      {{name + "-sharpest-spreads", formula, lost + ", more than the spread",
-        "the rounding with the closest projection is chosen; lobes above the encoding's kappa limit are reported", 0.09,
-        "mean relative error of 1 - |r| over directions",
+      {{name + "-sharpest-spreads", formula, lost + ", which is more than the spread",
+        "the rounding whose projection on the lobe's direction is closest to a |r| is chosen; lobes above the "
+        "encoding's kappa limit are reported",
+        0.09, "mean relative error of 1 - |r| over directions",
         "at the limit, a spread changes by at most a quarter (storage_kappa_max)"},
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests sums over as many texels as a level may cover, 2^28. The stream repeats one band of normals, so its exact sum
-// is known. Sums are by chunks (movmf_em_chunks.cl, movmf_em_mstep.cl), of colours (movmf_features.cl) and into cells
-// (movmf_binning.cl).
+// Tests sums over 2^28 texels, the largest number that a texel of a level can cover. The input repeats one band of
+// normals, so its exact sum is known. Tested sums are chunk sums (movmf_em_chunks.cl, movmf_em_mstep.cl), colour sums
+// (movmf_features.cl) and cell sums (movmf_binning.cl).
 //
-// A float is not sufficient. A float counts only to 2^24: there a sum stops growing, because half its last place
-// exceeds the increment. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the
-// total, and always in the same direction if a pattern repeats.
+// A float is not sufficient: at 2^24, a sum stops growing, because the increment is less than half a unit in the last
+// place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the total. If a
+// pattern repeats, all losses have the same direction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,12 +29,12 @@
 namespace multum {
 namespace {
 
-constexpr int kWidth = 32768, kHeight = 8192;  // 2^28 texels under one texel of the coarsest level
+constexpr int kWidth = 32768, kHeight = 8192;  // one texel of the coarsest level covers 2^28 texels
 constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
 constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
-// 64 rows of normals around a tilt, and their sum in double.
+// Contains 64 rows of normals around a tilt, and their sum in double.
 struct Band {
   std::vector<float> planes[3];
   glm::dvec3 sum = glm::dvec3(0.0);
@@ -91,7 +91,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
   MultumMovmfFit fit = coarsest_fit();
   fit.map_width = map.width, fit.map_height = fit.map_window_rows = map.height;
   fit.width = map.level_width, fit.height = fit.window_rows = map.level_height;
-  // The most that a texel may overlap.
+  // The largest number of columns that a texel can overlap.
   fit.sample_columns = (map.width + map.level_width - 1) / map.level_width + 1;
   fit.sample_rows = (map.height + map.level_height - 1) / map.level_height + 1;
   fit.chunk_rows = map.chunk_rows, fit.chunk_count = map.chunk_count;
@@ -163,7 +163,7 @@ void texels_2_28_by_chunks(Device& device, WorstError& worst) {
   worst.add(glm::length(glm::dvec3(lobe.mean_x, lobe.mean_y, lobe.mean_z) - mean), "r");
 }
 
-// Partial sums of 2^16 chunks, each rounded to float.
+// Tests 2^16 partial sums, each rounded to float.
 void many_partial_sums(Device& device, WorstError& worst) {
   EmTexel texel{{}, {{tilted(20.0), 100.0, 0.5}, {tilted(60.0, 2.0), 100.0, 0.5}}};
   MultumMovmfFit fit = coarsest_fit();
@@ -190,7 +190,7 @@ void many_partial_sums(Device& device, WorstError& worst) {
   }
 }
 
-// Colours of 2^16 chunks, of 1e-6, 1 and 1e6.
+// Tests 2^16 chunks with colours of 1e-6, 1 and 1e6.
 void many_partial_colours(Device& device, WorstError& worst) {
   MultumMovmfFit fit = coarsest_fit();
   fit.chunk_count = kChunks;
@@ -212,7 +212,7 @@ void many_partial_colours(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(colours[c]), sum[c], sum[c], fmt::format("channel {}", c));
 }
 
-// z of the first of two lobes with equal sharpness and amplitude.
+// Returns the first lobe's share of a normal; both lobes have the same sharpness and amplitude.
 double share_of_first(const EmTexel& texel, const glm::dvec3& n) {
   const auto exponent = [&](std::size_t j) {
     return texel.lobes[j].kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[j].mu)), n);
@@ -225,9 +225,9 @@ EmTexel two_lobes(double kappa) { return {{}, {{tilted(10.0, 0.0), kappa, 0.5}, 
 glm::dvec3 far_normal(int i) { return glm::dvec3(glm::vec3(tilted(60.0, i % 2 == 0 ? 0.1 : 1.4))); }
 glm::dvec3 colour_of_contrast(int i) { return glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i))); }
 
-// Partial sums of two texels of a map of 37 x 21. Both share a column, one chunk has fewer rows than the others, and
-// one has none. Nothing may be written for slots without a texel. The second texel has the lobes of the first in
-// another order.
+// Tests the partial sums of two texels of a map with 37 x 21 texels. The two texels share a column. One chunk has
+// fewer rows than the others, and one chunk has no rows. Slots without a texel must not be written. The second texel
+// has the lobes of the first texel in another order.
 void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   FeatureMap map{37, 21, 2, 1, 4, 7, {}, {}};
   for (int i = 0; i < map.width * map.height; ++i) {
@@ -263,7 +263,7 @@ void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   }
 }
 
-// Colours of normals that are far from every lobe, with 1e6-fold contrast and weights of 2^-20 to 1.
+// Tests colours of normals that are far from every lobe, with a contrast of 1e6 and weights from 2^-20 to 1.
 void colours_far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {0.05, 100.0, 1e6}) {
     EmTexel texel = two_lobes(kappa), colour;
@@ -304,7 +304,7 @@ void colours_far_from_every_lobe(Device& device, WorstError& worst) {
 
 constexpr int kSide = 31, kCells = kSide * kSide;
 
-// The axes of a grid over the whole disc.
+// Returns the axes of a grid over the whole disc.
 std::vector<float> even_axes() {
   std::vector<float> axes;
   for (int k = 0; k < 2; ++k) {
@@ -316,7 +316,7 @@ std::vector<float> even_axes() {
   return axes;
 }
 
-// Tests chunks with their own tables, and all chunks with one table.
+// Tests chunks that have their own tables, and chunks that share one table.
 void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
   const Band& b = band();
   MultumMovmfFit fit = coarsest_fit();
@@ -343,7 +343,8 @@ void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
     else add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count, 1);
     device.read(out, cells.data(), out.byte_count());
   };
-  // The bands are equal, and so are the integers that each adds: all but the last equal the first, multiplied.
+  // All bands are equal, so each band adds the same integers. The result of the first band is multiplied, and only the
+  // last band is added separately.
   constexpr int kBands = kHeight / kBandRows;
   add_band(0);
   for (std::int64_t& cell : cells) cell *= kBands - 1;
@@ -361,7 +362,7 @@ void texels_2_28_by_any_way(Device& device, WorstError& worst) {
   if (device.info().has_atomic_longs) texels_2_28_into_cells(device, worst, true);
 }
 
-// The same sums with one float per sum.
+// Computes the same sums in one float each.
 void floats_stand_still(WorstError& worst) {
   const Band& b = band();
   constexpr std::size_t kCount = static_cast<std::size_t>(kWidth) * kBandRows;
@@ -371,7 +372,7 @@ void floats_stand_still(WorstError& worst) {
   worst.add(static_cast<double>(sum), b.sum.z * (static_cast<double>(kHeight) / kBandRows), kTexels, "component 2");
 }
 
-// Cells of 2^28 normals in total: integers in units of 2^-30 up to 2^58.
+// Tests cells that contain 2^28 normals in total. Their sums are integers up to 2^58, in units of 2^-30.
 void means_of_2_58(Device& device, WorstError& worst, bool by_team) {
   const int chunk_count = 4;
   std::vector<std::int64_t> cells(static_cast<std::size_t>(chunk_count) * 3 * MULTUM_CELL_SUMS, 0);
@@ -407,7 +408,8 @@ void means_of_2_58_by_any_form(Device& device, WorstError& worst) {
   for (const bool by_team : {false, true}) means_of_2_58(device, worst, by_team);
 }
 
-// All probes at one position, or at none: straight down maps to the whole rim of the disc.
+// Tests probes that are all at one position, and probes without a position: a normal straight down maps to the whole
+// rim of the disc.
 void axes_of_no_extent(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const glm::vec3& n :
@@ -429,7 +431,7 @@ void axes_of_no_extent(Device& device, WorstError& worst) {
     device.read(axis_buffer, axes.data(), axis_buffer.byte_count());
     for (std::size_t i = 0; i < axes.size(); ++i) {
       const double value = static_cast<double>(axes[i]);
-      // Cells at the bins' edges increase from 0 to the side; the scale is finite.
+      // The first two values of an axis must be finite. The others are cell positions between 0 and the side length.
       const bool sane = i % MULTUM_AXIS_FLOATS < 2 ? std::isfinite(value) : value >= 0.0 && value <= kSide * 1.00001;
       worst.add(sane ? 0.0 : 1.0,
                 fmt::format("normal ({}, {}, {}), value {} of the axes: {}", n.x, n.y, n.z, i, value));
@@ -443,8 +445,9 @@ std::vector<NumericalCase> sum_cases() {
   const std::string plain = "*sum = *sum + value;\n  return;", compensated = "const float total = *sum + value;";
   return {
       {{"texels-2-to-28-by-chunks", "movmf_em_partial",
-        "a float sum stops at 2^24 and loses 94 % of the total; plain sums of chunks all round in the same direction",
-        "16 lanes per chunk are added as a tree, and the sums of chunks are compensated", 1e-6,
+        "a float sum stops growing at 2^24 and loses 94 % of the total; plain sums of chunks all round in the same "
+        "direction",
+        "the sums of 16 lanes per chunk are added as a tree, and compensated summation adds the chunks", 1e-6,
         "absolute error of a and r", "each lane has 2048 additions, whose random errors reach 2048 * 2^-25 / 16"},
        texels_2_28_by_chunks,
        {{"movmf_em_mstep", compensated, plain + compensated}}},
@@ -460,14 +463,16 @@ std::vector<NumericalCase> sum_cases() {
         "only a few roundings remain, for any number of sums"},
        many_partial_colours,
        {{"movmf_features", compensated, plain + compensated}}},
-      {{"colours-far-from-every-lobe", "movmf_feature_binned", "every density is 0 in float, so shares divide 0 by 0",
-        "the kernel computes logarithms of densities and subtracts the largest", 1e-4, "of the channel's total",
-        "exponents of 1e6 have rounding errors of 6e-8"},
+      {{"colours-far-from-every-lobe", "movmf_feature_binned",
+        "every density is 0 in float, so computing shares divides 0 by 0",
+        "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
+        "of the channel's total", "exponents of 1e6 have rounding errors of 6e-8"},
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"colours-of-uneven-chunks", "movmf_feature_partial",
-        "shares divide 0 by 0; a finest texel on a border counts fully in both coarser texels",
-        "the kernel uses logarithms and subtracts the largest; weights are fractions; a chunk without rows gives 0",
+        "computing shares divides 0 by 0; a finest texel on a border counts fully in both coarser texels",
+        "the kernel uses logarithms and subtracts the largest logarithm; weights are fractions; a chunk without rows "
+        "gives 0",
         1e-4, "of the chunk's channel total", "exponents of 1e6 have rounding errors of 6e-8"},
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
@@ -477,7 +482,7 @@ std::vector<NumericalCase> sum_cases() {
        texels_2_28_by_any_way,
        {},
        floats_stand_still},
-      {{"means-of-sums-to-2-to-58", "movmf_bin_means, movmf_bin_team_means", "a 32-bit sum overflows at two normals",
+      {{"means-of-sums-to-2-to-58", "movmf_bin_means, movmf_bin_team_means", "a 32-bit sum overflows after two normals",
         "integers have 64 bits", 2e-7, "error of means (absolute) and weights (relative)",
         "two conversions and a division are rounded"},
        means_of_2_58_by_any_form,
@@ -486,9 +491,8 @@ std::vector<NumericalCase> sum_cases() {
         {"movmf_binning_team", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
       {{"axes-of-no-extent", "movmf_bin_probe, movmf_bin_axes",
-        "63 bins are divided by an extent of 0, and projecting a normal straight down divides 0 by 0",
-        "the extent and 1 + z are at least 1e-6", kNothingWrong, "values that are not valid axes",
-        "every axis must be valid"},
+        "the number of bins, 63, is divided by an extent of 0, and projecting a normal straight down divides 0 by 0",
+        "the extent and 1 + z are at least 1e-6", kNothingWrong, "invalid axis values", "every axis must be valid"},
        axes_of_no_extent,
        {{"movmf_binning", "MAX_V(high - low, 1e-6f)", "(high - low)"},
         {"movmf_binning", "sqrt(MAX_V(1.0f + z, 1e-6f))", "sqrt(1.0f + z)"}}},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of brdf/ and of vmf_zonal.glsl: facets at their peak, at grazing angles and facing away.
+// Defines the numerical cases of brdf/ and vmf_zonal.glsl, with facets at their peak, at grazing angles and facing
+// away.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Compares an expression of b.x and b.y over pairs of numbers with `exact` at the same floats.
+// Compares an expression of b.x and b.y with `exact` for pairs of floats.
 struct PairComparison {
   std::string expression;
   std::vector<std::pair<double, double>> inputs;
@@ -54,7 +55,7 @@ void ggx_peak(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits, {"multum_ggx(b.x, b.y)", grid(alphas, ones), exact, true}, worst);
 }
 
-// The shader uses V n.l, which is 0 where n.l is 0, however near 0 n.v is.
+// Tests `V n.l`, which the shader uses. If n.l is 0, the product is 0, even if n.v is also nearly 0.
 void smith_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exact = [](double n_l, double n_v) {
     if (n_l == 0.0) return 0.0;
@@ -92,7 +93,7 @@ void eighth_zonal(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// 1 - v.h outside 0 to 1: cosines that rounding left above 1, and views from below.
+// Tests 1 - v.h outside the range 0 to 1, for cosines that rounding left above 1 and for views from below.
 void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare(gl, edits,
           {"multum_schlick(vec3(b.x), b.y).x", grid({0.0, 0.04, 1.0}, {-1.0, -1e-6, 0.0, 1e-6, 0.5, 1.0, 1.0001, 2.0}),
@@ -100,7 +101,7 @@ void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// d, q and e are a.xyz; compares the ratio to the peak, and the peak.
+// Tests a term with d, q and e in a.xyz. Compares the ratio to the peak, and the peak.
 void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{
       "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
@@ -122,10 +123,11 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// The shader functions of one BRDF, selected by its flags: f of one normal and of a lobe, relative to the peak; V; F.
+// Describes the shader functions of one BRDF: V, F, and f of one normal and of a lobe, relative to the peak of f.
+// `flags` select the BRDF.
 struct FacetsOf {
   std::vector<std::string> flags;
-  std::string visibility, fresnel;  // expressions of the cosine c = b.w
+  std::string visibility, fresnel;  // expressions that contain the cosine c = b.w
   double peak;
   std::function<double(double theta)> facets = {};
   std::function<double(double spread, double theta)> lobe_facets = {};
@@ -196,12 +198,12 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
   }
 }
 
-// Two terms: far from the peak, the one with negative weight outweighs the other.
+// Tests two terms, one of negative weight. Far from the peak, the negative term is larger than the positive term.
 void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
-  f.formulas = brdf_shader_text("measured.glsl");  // its table stays black
+  f.formulas = brdf_shader_text("measured.glsl");  // the table in this file stays black
   f.facets = nothing;
   f.lobe_facets = [=](double spread, double theta) {
     double sum = 0.0;
@@ -248,7 +250,7 @@ double ggx_facet_kappa(double alpha, double kappa, double e) {
   return facets;
 }
 
-// A lobe opposite to h and as sharp as the facets: they cancel.
+// Tests a lobe that is opposite to h and as sharp as the facets, so the lobe and the facets cancel.
 void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float alpha : {0.0025f, 0.5f, 1.0f})
@@ -263,7 +265,8 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
   compare_glsl(gl, edits, c, worst);
 }
 
-// The highlights of hard lobes: the mean of f(n . h) max(n . l, 0) over each; each term of facets has its own cosine.
+// Describes the highlight of difficult lobes, which is the mean of f(n . h) max(n . l, 0) over each lobe. Each term of
+// f has its own cosine.
 struct HighlightOf {
   std::vector<std::string> flags;
   std::vector<glm::dvec2> terms;                                   // weight and kappa of each term
@@ -367,7 +370,7 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// The mean and variance of n . h over a lobe of amplitude 1, as in brdf/charlie.glsl.
+// Contains the mean and variance of n . h over a lobe of amplitude 1, as in brdf/charlie.glsl.
 struct LobeProjection {
   double mean, variance;
 };
@@ -410,7 +413,7 @@ void charlie_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Both cosines are 0, one is 0, or neither is.
+// Tests pairs of cosines in which both, one or neither is 0.
 void sheen_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_sheen_visibility(a.x, a.y) * a.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float n_l : {0.0f, 1e-6f, 1e-3f, 0.5f, 1.0f})
@@ -445,7 +448,7 @@ void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& w
   }
 }
 
-// The tables hold their own indices, so that each value read tells its place.
+// The table entries are their own indices, so each value read is the index that the shader used.
 void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kFacets = 90, kDifferences = 19;
   GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};
@@ -472,10 +475,11 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
 
 std::vector<GlslCase> facet_cases() {
   const std::string longer = "a lobe longer than its amplitude makes the highlight narrower than the BRDF allows",
-                    unit = "of the peak; the errors of V and F are absolute",
-                    reason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
+                    unit = "of the peak (the errors of V and F are absolute)",
+                    reason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   const SourceEdit unclamped = glsl_unclamped_spread();
-  const std::string of_all_directions = "if normals are spread evenly over all directions, |r| / kappa divides 0 by 0";
+  const std::string of_all_directions =
+      "if normals are spread evenly over all directions, computing |r| / kappa divides 0 by 0";
   const SourceEdit a_third = glsl_edit("r > 1e-3 ? r / kappa : 1.0 / 3.0", "r / kappa");
   return {
       {{"glsl-facets-of-blinn-phong", "blinn_phong.glsl", longer, "the spread is clamped to the range 0 to 1", 6e-4,
@@ -495,7 +499,7 @@ std::vector<GlslCase> facet_cases() {
        {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_ggx_lobe_shape",
         "multum_ggx_lobe_density"}},
       {{"glsl-facet-kappa-of-opposite-lobes", "ggx_lobe.glsl",
-        "a lobe opposite to h with equal sharpness cancels, and normalising the sum divides by zero",
+        "the facets and an opposite lobe of equal sharpness cancel, and normalising the sum divides by zero",
         "the squared length of the sum is at least 1e-12", 3e-3, "relative error",
         "sums cancel to 1e-7 of their terms"},
        {glsl_edit("sqrt(max(sum * sum - 2.0 * facets * kappa * e, 1e-12))",
@@ -536,9 +540,11 @@ std::vector<GlslCase> facet_cases() {
        highlights_of_hard_lobes,
        {"multum_lobe_highlight"}},
       {{"glsl-measured-tables-at-their-ends", "measured.glsl",
-        "the arc cosine of 1.0001 is undefined, and an index exceeds the table",
-        "v . h is clamped to the range 0 to 1, and indices to the table; facets that face away reflect nothing", 3e-2,
-        "absolute error of the index", "the GL's arc functions have errors of 5e-4, and one radian has 57 indices"},
+        "the arc cosine of 1.0001 is undefined, and a table index is out of range",
+        "v . h is clamped to the range 0 to 1, and indices are clamped to the table; facets that face away reflect "
+        "nothing",
+        3e-2, "absolute error of the index",
+        "the GL's arc functions have errors of 5e-4, and one radian spans 57 indices"},
        {glsl_edit("acos(clamp(v_h, 0.0, 1.0))", "acos(v_h)")},
        measured_tables,
        {"multum_facets", "multum_fresnel"}},
@@ -564,14 +570,15 @@ std::vector<GlslCase> glsl_brdf_cases() {
        {"multum_smith_visibility"}},
       {{"glsl-grooves-at-grazing-angles", "cook_torrance.glsl",
         "dividing by a cosine of 0 gives infinity, which is multiplied by 0",
-        "the divisors are the product of the cosines, at least 1e-8, and the larger cosine, at least 1e-4", 2e-6,
+        "the divisors are the product of the cosines (at least 1e-8) and the larger cosine (at least 1e-4)", 2e-6,
         "absolute error", "three products are rounded in float"},
        {},
        groove_grazing,
        {"multum_groove_visibility"},
        {glsl_edit("max(n_l * n_v, 1e-8)", "(n_l * n_v)"), glsl_edit("max(max(n_l, n_v), 1e-4)", "max(n_l, n_v)")}},
-      {{"glsl-second-zonal-of-broad-lobes", "vmf_zonal.glsl", "1 - 3 |r| / kappa cancels, and divides 0 by 0 at r = 0",
-        "3/5 r^2 is used below r = 0.1", 5e-4, "absolute error", "the inverse of kappa has an error of 2.3e-4"},
+      {{"glsl-second-zonal-of-broad-lobes", "vmf_zonal.glsl",
+        "1 - 3 |r| / kappa cancels, and at r = 0 the quotient divides 0 by 0", "3/5 r^2 is used below r = 0.1", 5e-4,
+        "absolute error", "the inverse of kappa has an error of 2.3e-4"},
        {glsl_edit("r > 0.1 ?", "true ?")},
        second_zonal,
        {"multum_vmf_second_zonal"}},
@@ -583,7 +590,7 @@ std::vector<GlslCase> glsl_brdf_cases() {
        eighth_zonal,
        {"multum_vmf_zonal"}},
       {{"glsl-schlick-beyond-its-ends", "cook_torrance.glsl",
-        "a cosine above 1 reflects less than F0, and a negative cosine reflects too much",
+        "a cosine above 1 gives a reflectance below F0, and a negative cosine gives too much reflectance",
         "1 - v.h is clamped to the range 0 to 1", 1e-6, "absolute error", "five products are rounded in float"},
        {glsl_edit("clamp(1.0 - v_h, 0.0, 1.0)", "(1.0 - v_h)")},
        schlick_ends,
@@ -591,7 +598,7 @@ std::vector<GlslCase> glsl_brdf_cases() {
       {{"glsl-terms-of-every-spread", "terms.glsl",
         "1 - A of the convolution cancels if it is computed as 1 - |r| A(lambda)",
         "d + (1 - d) q is computed, which is a sum of small terms", 6e-4, "of the peak",
-        "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent"},
+        "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent"},
        {glsl_edit("d + (1.0 - d) * term_spread", "1.0 - (1.0 - d) * (1.0 - term_spread)")},
        terms_of_every_spread,
        {"multum_term"}},

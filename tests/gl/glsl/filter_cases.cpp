@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of pyramids and of the lookups in texture_filter.glsl.
+// Defines the numerical cases of pyramids and of the lookups in texture_filter.glsl.
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,7 @@ void level_of_no_extent(const GlFunctions& gl, const Edits& edits, WorstError& w
   compare_glsl(gl, edits, c, worst);
 }
 
-// Normals from the viewer's direction to the opposite one, which maps to every corner of the map.
+// Tests normals from the direction of the viewer to the opposite direction, which maps to every corner of the map.
 void normals_straight_away(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_reflectance_place(a.xyz), 0.0, 0.0)", {}, {}};
   for (const double degrees : {0.0, 1e-4, 30.0, 89.999, 90.0, 90.001, 150.0, 179.0, 179.99, 179.9999, 179.999999})
@@ -48,7 +48,7 @@ void normals_straight_away(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Computes the shader's footprint from two derivatives, in double.
+// Computes the footprint of the shader from two derivatives in double.
 glm::dvec4 exact_footprint(const glm::dvec4& a, int taps_max, double size, double bias) {
   const glm::dvec2 along_x(a.x, a.y), along_y(a.z, a.w);
   const double x = glm::length(along_x), y = glm::length(along_y), longer = std::max(x, y), shorter = std::min(x, y);
@@ -66,7 +66,7 @@ ShaderHarnessInput filter_variant(int taps_max, float bias) {
   return variant;
 }
 
-// Round, long, one-dimensional and empty footprints; ratios just below and above whole numbers.
+// Returns round, long, one-dimensional and empty footprints, with ratios just below and above whole numbers.
 GlslInputs footprint_inputs() {
   GlslInputs inputs;
   for (const float x : {0.0f, 1e-12f, 0.25f, 1.0f, 3.0f, 1e4f})
@@ -92,7 +92,7 @@ void footprints_of_no_width(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Compares only the longer length, for one tap and for all taps together.
+// Compares only the longer length, with one tap and with all taps.
 void longer_lengths(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr float kBias = -0.5f;
   for (const int taps_max : {1, 4, 16}) {
@@ -109,7 +109,7 @@ void longer_lengths(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Footprints on the first level of a map that keeps every second octave.
+// Tests footprints that were computed for a texture of another size.
 void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"test_other(a)", {}, {}};
   for (const float from : {1.0f, 37.0f, 64.0f, 4096.0f})
@@ -125,7 +125,8 @@ void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, Worst
   compare_glsl(gl, edits, c, worst);
 }
 
-// Returns columns and rows: halves the points of the longer side while the parts stay longer than wide.
+// Returns the columns and rows of the grid. Halves the number of points along the longer side while the parts stay
+// longer than wide.
 glm::dvec2 exact_grid(double count, double along_x, double along_y) {
   const double ratio = std::max(along_x, along_y) / std::max(std::min(along_x, along_y), 1e-20);
   double across = 1.0;
@@ -133,7 +134,7 @@ glm::dvec2 exact_grid(double count, double along_x, double along_y) {
   return along_x > along_y ? glm::dvec2(count / across, across) : glm::dvec2(across, count / across);
 }
 
-// Round, long and one-dimensional footprints for every budget.
+// Tests round, long and one-dimensional footprints with every number of points.
 void points_of_no_width(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison grids{
       "vec4(multum_point_grid(a.z, a.x, a.y), multum_lobe_points(a.z, a.w), "
@@ -170,13 +171,14 @@ std::vector<GlslCase> glsl_filter_cases() {
   const std::string file = "texture_filter.glsl";
   return {
       {{"glsl-level-of-no-extent", "pyramid.glsl", "if coordinates do not change, the level is the logarithm of 0",
-        "the squared length is at least 1e-30", 1e-4, "absolute error of the level", "the GL's log2 has a small error"},
+        "the squared length is at least 1e-30", 1e-4, "absolute error of the level",
+        "the log2 function of the GL has a small error"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",
                   "max(dot(along_x, along_x), dot(along_y, along_y))")},
        level_of_no_extent,
        {"multum_mip_level"}},
       {{"glsl-normals-straight-away", "pyramid.glsl",
-        "1 + z cancels, and a normal that faces straight away divides 0 by 0",
+        "1 + z cancels, and projecting a normal that faces straight away divides 0 by 0",
         "the projection's length is computed from 1 - z, and a normal that faces straight away maps to a corner", 1e-4,
         "absolute error of s and t", "n_z is rounded by 6e-8 at 90 degrees, and other directions have a few roundings"},
        {glsl_edit("if (n.z > 0.0) return", "if (true) return")},
@@ -189,14 +191,14 @@ std::vector<GlslCase> glsl_filter_cases() {
        footprints_of_no_width,
        {"multum_footprint_of"}},
       {{"glsl-footprints-on-another-size", file,
-        "a level computed for one texture is used for a texture of another size",
-        "the difference between the textures' longer sides is added, in octaves", 1e-4, "absolute error of the level",
-        "the GL's log2 has a small error"},
+        "a level that was computed for one texture is used for a texture of another size",
+        "the size difference of the textures' longer sides, in octaves, is added to the level", 1e-4,
+        "absolute error of the level", "the log2 function of the GL has a small error"},
        {glsl_edit("footprint.level + octaves", "footprint.level")},
        footprints_on_another_size,
        {"multum_footprint_on"}},
       {{"glsl-longer-lengths-of-footprints", file, "one tap has a step of 0, whose logarithm is infinite",
-        "the tap's own level is returned", 2e-4, "absolute error of the level",
+        "the level of the tap is returned", 2e-4, "absolute error of the level",
         "the GL computes log2 of numbers down to 1e-15"},
        {glsl_edit("if (footprint.tap_count == 1) return footprint.level;", "")},
        longer_lengths,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of sh_shading.glsl.
+// Defines the numerical cases of sh_shading.glsl.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,9 +19,9 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr int kUnrolledOrder = 4;  // tests/agreement runs 20; compilers unroll the loops
+constexpr int kUnrolledOrder = 4;  // a low order, because compilers unroll the loops; tests/agreement tests order 20
 
-// Shades the coefficients of each set of directions; the texture has one row per set.
+// Contains sets of directions and a texture of their coefficients. The texture has one row per set.
 struct Harmonics {
   int order;
   std::vector<std::vector<glm::dvec3>> sets;
@@ -95,7 +95,8 @@ GlslInputs sets_and_directions(std::size_t set_count) {
   return inputs;
 }
 
-// Compares both shading functions with the series in double, also at the poles, relative to the peak of one tilt.
+// Compares both shading functions with the series in double, also at the poles. Errors are relative to the peak of one
+// tilt.
 void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {12.0, 500.0}) {
     const ZonalCoefficients of_brdf = zonal_blinn_phong(kUnrolledOrder, s), of_lambert = zonal_lambert(kUnrolledOrder);
@@ -137,7 +138,7 @@ void harmonics_ring_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// E[n] and E[n n^T]; order 1 has no second moments, and shades as if all directions were alike.
+// Tests E[n] and E[n n^T]. Order 1 has no second moments, so it treats all directions as equally likely.
 void moments_of_harmonics(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const int order : {1, 2}) {
     Harmonics h = harmonics_of(gl, order);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of light/: directions at the poles of an environment and along the view, and tables and levels at
-// their ends. Light comes from exactly behind, or from a point on the surface.
+// Defines the numerical cases of light/. The inputs contain directions at the poles of an environment and along the
+// view, tables and levels at their ends, light from exactly behind, and light from a point on the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,7 +49,8 @@ void places_at_the_poles(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tries normals all around a strong light: facing away from it, the series of two bands is below 0.
+// Tests normals all around a strong light. For normals that face away from the light, the series of two bands is
+// negative.
 void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double mean : {1.0, 0.1}) {
     const SmoothLight light = {mean, {0.3, -0.4, 1.0}};
@@ -67,7 +68,8 @@ void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, Wors
   }
 }
 
-// Entries hold their own place: a value read tells the place, and whether another plane is mixed in.
+// Entries contain their own position, so each value read shows the position that the shader used, and whether another
+// plane is mixed in.
 void table_at_its_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kColumns = 32, kRows = 24, kPlanes = 3;
   std::vector<glm::vec4> texels;
@@ -109,8 +111,8 @@ void levels_beyond_their_ends(const GlFunctions& gl, const Edits& edits, WorstEr
   compare_glsl(gl, edits, c, worst);
 }
 
-// Equal light from every direction: a lobe of any width shows exactly this light. That includes views along the lobe,
-// where v and mu span no plane.
+// Tests equal light from every direction: a lobe of any width reflects exactly this light. The inputs include views
+// along the lobe, where v and mu span no plane.
 void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -132,7 +134,8 @@ void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Tries each harmonic of the half vector's light separately, with lobes of every width at the poles; then no light.
+// Tests each harmonic of the half vector's light separately, with lobes of every width, also at the poles. Then tests
+// the case without light.
 void harmonics_of_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kOrder = 8, kCount = (kOrder + 1) * (kOrder + 1), kGrid = 2;
   SplitMix64 random(81);
@@ -203,10 +206,10 @@ ShaderHarnessInput sampling_variant(const Texture& map, float exponent) {
   return variant;
 }
 
-constexpr float kTexelRadiance = 0.25f;  // the same in every texel
+constexpr float kTexelRadiance = 0.25f;  // every texel has this radiance
 constexpr double kLightDensity = 0.25 / 4.0;
 
-// Densities relative to the peak of GGX; v.h tends to 0 and below.
+// Tests densities relative to the peak of GGX, with v.h down to 0.
 void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
   GlslComparison c{
@@ -241,7 +244,7 @@ void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// The light is opposite to the view, and the normal faces away from the viewer: there is no half vector.
+// Tests light opposite to the view, and normals that face away from the viewer, so there is no half vector.
 void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kAlpha = 0.02, kExponent = 10.0;
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
@@ -286,7 +289,7 @@ ShaderHarnessInput lights_variant(const glm::vec3& point) {
   return variant;
 }
 
-// Returns the radiance per irradiance of a lobe of one direction.
+// Returns the ratio of radiance to irradiance for a lobe of one direction.
 double radiance_of(const glm::dvec3& n, const glm::dvec3& l, const glm::dvec3& v) {
   const double n_l = std::max(glm::dot(n, l), 0.0), s = static_cast<double>(kLitExponent);
   return n_l * (static_cast<double>(kDiffuse) / M_PI +
@@ -307,7 +310,8 @@ void light_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// A light at the very point that it lights has no direction; elsewhere its irradiance falls with the squared distance.
+// Tests a light at the lit point itself, which has no direction. Elsewhere, its irradiance decreases with the squared
+// distance.
 void a_light_on_the_surface(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const glm::vec3& point : {glm::vec3(0.0f), glm::vec3(0.0f, 3.0f, 4.0f), glm::vec3(0.0f, 0.0f, -1e-3f)}) {
     GlslComparison c{"vec4(multum_lights(test_surface(a), mat3(1.0), vec3(0.0), b.xyz), 0.0)", {}, {}};
@@ -327,8 +331,7 @@ std::vector<GlslCase> sample_cases() {
   const std::string file = "environment_samples.glsl";
   return {
       {{"glsl-densities-at-their-ends", file, "a density is divided by v.h = 0", "v.h is at least 1e-6", 2e-2,
-        "of the peak, or absolute error",
-        "1 - n.h^2 is rounded in float, compared with the highlight's width at s = 1e5"},
+        "of the peak, or absolute error", "1 - n.h^2 is rounded in float, and the highlight is very narrow at s = 1e5"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
        {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
@@ -373,7 +376,7 @@ std::vector<GlslCase> glsl_light_cases() {
   std::vector<GlslCase> cases = {
       {{"glsl-environment-at-its-poles", "environment_frame.glsl",
         "the arc cosine of 1.0001 is undefined, and the azimuth straight up is atan(0, 0)",
-        "heights are clamped to the range -1 to 1; straight up and straight down map to the middle", 1e-3,
+        "heights are clamped to the range -1 to 1; directions straight up and straight down map to s = 0.5", 1e-3,
         "absolute error of s and t", "the GL's arc functions have small errors"},
        {glsl_edit("acos(clamp(d.y, -1.0, 1.0))", "acos(d.y)")},
        places_at_the_poles,
@@ -394,7 +397,7 @@ std::vector<GlslCase> glsl_light_cases() {
        table_at_its_ends,
        {"multum_reflection_entry"}},
       {{"glsl-environment-levels-at-their-ends", "environment_levels.glsl",
-        "a spread beyond the spreads of all levels selects a level that does not exist",
+        "a spread outside the range of all levels selects a level that does not exist",
         "the share is clamped to the range 0 to 1", 1e-5, "absolute error of the level",
         "a difference and a quotient are rounded"},
        {glsl_edit("clamp((spread - low) / (u_level_spreads[k + 1] - low), 0.0, 1.0)",
@@ -410,7 +413,7 @@ std::vector<GlslCase> glsl_light_cases() {
        {"multum_environment_lobe", "multum_environment_specular", "multum_term_light"}},
       {{"glsl-environment-harmonics-of-no-light", "environment_sh.glsl", "a weight of 0 is used as a divisor",
         "the divisor is at least 1e-6", 5e-4, "absolute error",
-        "the inverse of kappa has an error of 2.3e-4, in eight bands"},
+        "the inverse of kappa has an error of 2.3e-4, in each of eight bands"},
        {glsl_edit("weight / max(plain, 1e-6)", "weight / plain")},
        harmonics_of_half_vectors,
        {"multum_half_vector_light", "multum_environment_specular"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of movmf_shading.glsl and of Blinn-Phong over lobes.
+// Defines the numerical cases of movmf_shading.glsl and of Blinn-Phong highlights of lobes.
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// A lobe along +z, so that (a r, a) is exact in float; a direction in the plane y = 0; a parameter.
+// Describes a lobe along +z, for which (a r, a) is exact in float, a direction in the plane y = 0, and a parameter.
 struct Point {
   double amplitude, spread, theta, parameter;
 };
@@ -30,7 +30,7 @@ glm::vec4 direction_of(const Point& p) {
           static_cast<float>(p.parameter)};
 }
 
-// Returns the angle that the shader sees; its vectors are not exactly of length 1.
+// Returns the angle between the float vectors of the shader, whose lengths are not exactly 1.
 double angle_seen(const Point& p) {
   const glm::vec4 w = direction_of(p);
   const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
@@ -52,7 +52,7 @@ std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const s
   return values;
 }
 
-// Adds the relative errors of a function of one number, `b.w`, over `inputs`.
+// Adds the relative errors of a function of one number, `b.w`, for all `inputs`.
 void add_function(const GlFunctions& gl, const Edits& edits, const std::string& expression,
                   const std::vector<double>& inputs, const std::function<double(double)>& exact, WorstError& worst) {
   std::vector<Point> points;
@@ -165,7 +165,8 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// The paper's rule is kept for comparison: it must match its own formula, and may differ from the reference.
+// Tests the paper's rule, which is kept for comparison. It must match its own formula, but can differ from the
+// reference.
 void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})
@@ -180,7 +181,7 @@ void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   }
 }
 
-// sigma = 1 / sqrt(2 kappa_f), from mirrors to shapes too broad for a facet distribution.
+// Tests `sigma = 1 / sqrt(2 kappa_f)`, from mirrors to shapes too broad for a facet distribution.
 void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double sigma : {1e-3, 0.01, 0.1, 0.5, 1.0})
@@ -197,8 +198,9 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
   }
 }
 
-// Lobes from single directions to amplitude 0, under facets from mirrors to the whole sphere. Half vectors are along
-// the lobe, across it and opposite to it, where two equal vMFs leave no direction.
+// Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
+// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
+// direction.
 void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::dvec3 l = glm::normalize(glm::dvec3(0.3, -0.5, 0.8)), up(0.0, 0.0, 1.0);
   GlslComparison c{
@@ -212,7 +214,8 @@ void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& wo
     return glm::dvec4(highlight_cosine(b.w * glm::dvec3(b) + kappa * up, l));
   };
   compare_glsl(gl, edits, c, worst);
-  // Exactly opposite to the lobe, with the kappa that the shader computes for it.
+  // The half vector is exactly opposite to the lobe, and the facets have the kappa that the shader computes for the
+  // lobe.
   c.expression =
       "vec4(multum_movmf_highlight_cosine(a, -a.xyz / a.z, vec3(0.0, 0.0, 1.0), "
       "multum_vmf_kappa(multum_movmf_spread(a))))";
@@ -236,7 +239,7 @@ void lambert(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
         [=](double theta) { return reference::convolved_lambert(kappa_of_lobe, theta); });
 }
 
-// Shares stay within 0 and 1 for every level of detail.
+// Tests that the share is between 0 and 1 at every level of detail.
 void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double lod : {-1e30, -40.0, -1.0, -0.25, -0.0, 0.0, 1e-40, 3.0, 1e30})
@@ -246,7 +249,8 @@ void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& wor
     worst.add(values[i], std::clamp(-points[i].parameter, 0.0, 1.0), 1.0, text_of(points[i]));
 }
 
-// Mean normals from length 0 to longer than their amplitude; pixels from far smaller to far larger than texels.
+// Tests mean normals from length 0 to longer than their amplitude, and pixels from much smaller to much larger than
+// texels.
 void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_magnified(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 0.5f, 1.0f})
@@ -261,7 +265,8 @@ void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare_glsl(gl, edits, c, worst);
 }
 
-// Lobes that a BRDF's width has shortened, from length 0 to longer than their amplitude, with every mean cosine.
+// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. Their lengths range from 0 to
+// above their amplitude.
 void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})
@@ -281,7 +286,7 @@ std::vector<GlslCase> function_cases() {
   return {
       {{"glsl-vmf-spread-12-decades", file, "1/kappa - 2/(exp(2 kappa) - 1) cancels if kappa is near 0",
         "two terms of the series are used below kappa 0.1", 2e-5, "relative error",
-        "1/kappa = 10 is rounded twice by 6e-8, and the GL's exp adds its error"},
+        "1/kappa = 10 is rounded twice by 6e-8, and the GL's exp adds another error"},
        {glsl_edit("if (kappa < 0.1) return", "if (false) return")},
        vmf_spread,
        {"multum_vmf_spread"}},
@@ -293,14 +298,14 @@ std::vector<GlslCase> function_cases() {
        {"multum_vmf_kappa"}},
       {{"glsl-vmf-normaliser-12-decades", file, "kappa / (1 - exp(-2 kappa)) divides 0 by 0 at kappa 0",
         "(1 + kappa) / 2 is used below kappa 1e-3", 1e-4, "relative error",
-        "exp is rounded near 1, which gives 6e-8 / 2e-3 where the branch begins"},
+        "exp near 1 is rounded by 6e-8, which is divided by 2e-3 where the branch begins"},
        {glsl_edit("kappa > 1e-3 ?", "true ?")},
        normaliser,
        {"multum_vmf_density"}},
       {{"glsl-log-of-one-minus-e", "blinn_phong.glsl",
         "t = 1 - e has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
         "the series of -2 atanh(e / (2 - e)) is used below e = 0.1", 1e-6, "relative error",
-        "the omitted terms of the series add 3e-9, and the GL's log adds its error"},
+        "the omitted terms of the series add 3e-9, and the GL's log adds another error"},
        {glsl_edit("if (e > 0.1) return", "if (true) return")},
        log_one_minus,
        {"multum_log_one_minus"}},
@@ -310,14 +315,14 @@ std::vector<GlslCase> function_cases() {
        normal_map_share,
        {"multum_normal_map_share"}},
       {{"glsl-magnified-normal-map", file,
-        "dividing normals that cancel gives NaN, and the variance grows by more than the filter's loss",
-        "means shorter than 1e-6 stay unchanged, and the variance grows at most by the filter's loss", 1e-6,
+        "normalising a sum of normals that cancel gives NaN, and the variance exceeds the length lost by filtering",
+        "means shorter than 1e-6 stay unchanged, and the variance is at most the length lost by filtering", 1e-6,
         "absolute error", "a length and two quotients are rounded"},
        {glsl_edit("if (size <= MULTUM_AMPLITUDE_MIN) return lobe;", ""), glsl_edit("min(map_lod, 0.5)", "map_lod")},
        magnified,
        {"multum_movmf_magnified"}},
       {{"glsl-roughness-taken-out", file,
-        "a lobe longer than its amplitude reflects too much light, and a lobe of length 0 divides 0 by 0",
+        "a lobe longer than its amplitude reflects too much light, and normalising a lobe of length 0 divides 0 by 0",
         "the length is at most the amplitude; the divisor is at least 1e-12", 1e-6, "absolute error",
         "a length and two quotients are rounded"},
        {glsl_edit("lobe.w / max(length(lobe.xyz), 1e-12)", "1.0 / mean_cosine")},
@@ -328,7 +333,7 @@ std::vector<GlslCase> function_cases() {
 
 std::vector<GlslCase> lobe_cases() {
   const std::string file = "movmf_shading.glsl",
-                    reason = "the inverse of kappa has an error of 2.3e-4, in the peak and in the exponent";
+                    reason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
   return {
       {{"glsl-exponents-to-1e5", "movmf_shading.glsl, blinn_phong.glsl",
         "1 - mu . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
@@ -352,9 +357,9 @@ std::vector<GlslCase> lobe_cases() {
         "a fixed direction is used, because the result does not depend on the direction", 6e-4, "of the peak", reason},
        {glsl_edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
        no_direction},
-      {{"glsl-amplitude-to-0", file, "an empty lobe is divided by its amplitude of 0, or reflects light",
+      {{"glsl-amplitude-to-0", file, "an empty lobe is divided by its amplitude, which is 0, or reflects light",
         "lobes with amplitudes up to 1e-6, 1/30 of the smallest stored amplitude, are ignored", 6e-4,
-        "of the peak times the amplitude; light that must be 0 counts as an error of 1", reason},
+        "of the peak times the amplitude (light that must be 0 counts as an error of 1)", reason},
        {glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;", "")},
        amplitude_to_0},
       {{"glsl-the-papers-rule", "blinn_phong.glsl",
@@ -364,14 +369,14 @@ std::vector<GlslCase> lobe_cases() {
        papers_rule,
        {"multum_movmf_blinn_phong_paper"}},
       {{"glsl-torrance-sparrow-of-every-sigma", "torrance_sparrow.glsl",
-        "1 - 1/kappa_f is a wrong mean cosine for rough facets",
+        "1 - 1/kappa_f is the wrong mean cosine for rough facets",
         "both terms of A are used; the exponent is at most 80, where the second term vanishes", 6e-4, "of the peak",
         reason},
        {glsl_edit("1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0)", "1.0 / kappa")},
        torrance_sparrow,
        {"multum_movmf_torrance_sparrow"}},
       {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, ignores the spread",
-        "the mean of a folded normal distribution is used, which is exact at |r| = 1 and r = 0", 2.5e-3,
+        "the mean of a folded normal distribution is used; this mean is exact at |r| = 1 and r = 0", 2.5e-3,
         "absolute error", "the model has an error of 0.22 % (tools/lab/fit_shading.py)"},
        {glsl_edit("return 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return max(t, 0.0);")},
        lambert,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of planar Gaussians and of moments of slopes. Inputs are those of the kernels with the same
-// formulas (host/lab/selftest), and inputs that only a shader meets.
+// Defines the numerical cases of planar Gaussians and of slope moments. Includes the inputs of the kernels with the
+// same formulas (host/lab/selftest), and inputs that occur only in shaders.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Rounding and filtering may leave the third value below the square of the mean.
+// Tests lobes whose third value is below the square of the mean. Rounding and filtering can produce these lobes.
 void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_density(a, b.xyz, b.w) / (b.w + 3.0))", {}, {}};
   for (const double degrees : {0.0, 30.0, 60.0, 89.0})
@@ -36,7 +36,7 @@ void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_glsl(gl, edits, c, worst);
 }
 
-// Means that rounding left outside the unit circle, with lobes of every amplitude.
+// Tests means that rounding left outside the unit circle, with lobes of every amplitude.
 void planar_means_beyond_the_rim(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_lambert(a, b.xyz), multum_gmm_lifted(a.xy / max(a.w, 1e-6)))", {}, {}};
   for (const double length : {0.0, 0.5, 0.9999, 1.0, 1.0001, 1.5})
@@ -62,7 +62,7 @@ void planar_amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// A mean normal, possibly of length 0, as a Gaussian; and the facets' variance about means of every length.
+// Tests the Gaussian of a mean normal, which can have length 0, and the facet variance for means of every length.
 void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_normal_map(a).zw, multum_gmm_facet_variance(a, b.x), 0.0)", {}, {}};
   for (const double amplitude : {0.0, 1e-40, 1e-30, 1e-5, 0.5, 1.0})
@@ -75,7 +75,7 @@ void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& 
   compare_glsl(gl, edits, c, worst);
 }
 
-// Mean normals of every length, from 0 to longer than 1.
+// Tests mean normals from length 0 to longer than 1.
 void toksvig_of_every_length(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto exponent_of = [](double length, double s) {
     const double size = std::min(length, 1.0);
@@ -106,7 +106,8 @@ glm::vec4 half_at(double s, double t, double cross_moment) {
   return with(glm::normalize(glm::dvec3(-s, -t, 1.0)), cross_moment);
 }
 
-// Second moments below the square of the mean, for slopes up to the largest: no value exceeds the BRDF's own peak.
+// Tests second moments below the square of the mean, for slopes up to the largest slope. No value exceeds the peak of
+// the BRDF.
 void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {1.0, 100.0, 1e5}) {
     GlslInputs inputs;
@@ -130,8 +131,8 @@ void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Slopes along one line of the plane: Sigma has determinant 0, and across the line only the BRDF's variance 1/s is
-// left.
+// Tests slopes along one line of the plane. The determinant of Sigma is 0, and across the line only the BRDF's own
+// variance 1/s remains.
 void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {10.0, 1e3, 1e5}) {
     GlslComparison c{kLean, {}, {}, true, of_exponent(s)};
@@ -147,7 +148,7 @@ void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Steep and nearly equal slopes under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
+// Tests steep and nearly equal slopes under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
 void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {100.0, 1e3, 1e4, 1e5}) {
     GlslInputs inputs;
@@ -170,7 +171,7 @@ void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& wors
   }
 }
 
-// At and below the horizon, a half vector's slope and the Jacobian have no bound.
+// Tests half vectors at and below the horizon, where the slope and the Jacobian are unbounded.
 void half_vectors_at_the_horizon(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
   for (const double z : {1e-4, 1e-20, 1e-40, 0.0, -0.0, -1e-3, -1.0})
@@ -189,7 +190,7 @@ std::vector<GlslCase> gaussian_cases() {
         "rounding and filtering leave E[x^2] below the squared mean, so the variance is negative",
         "the variance is at least 0, so only the facets' own variance is left", 2e-3,
         "of an upright lobe's peak times 2 pi",
-        "a mean near 1 is rounded twice by 6e-8, compared with a variance of 1e-4"},
+        "a mean near 1 is rounded twice by 6e-8, and the variance is only 1e-4"},
        {glsl_edit("max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0)",
                   "(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))")},
        planar_variance_below_0,
@@ -200,13 +201,13 @@ std::vector<GlslCase> gaussian_cases() {
        {glsl_edit("sqrt(max(1.0 - dot(p, p), 0.0))", "sqrt(1.0 - dot(p, p))")},
        planar_means_beyond_the_rim,
        {"multum_gmm_lifted", "multum_gmm_lambert"}},
-      {{"glsl-planar-amplitude-to-0", file, "an empty lobe is divided by its amplitude of 0",
+      {{"glsl-planar-amplitude-to-0", file, "an empty lobe is divided by its amplitude, which is 0",
         "lobes with amplitudes up to 1e-6 are ignored", kNothingWrong, "absolute error", "no error is allowed"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        planar_amplitude_to_0,
        {"multum_gmm_density", "multum_gmm_lambert"}},
-      {{"glsl-planar-mean-normals", file, "an empty mean is divided by its share of 0", "the divisor is at least 1e-6",
-        1e-6, "absolute error", "two products and a quotient are rounded"},
+      {{"glsl-planar-mean-normals", file, "an empty mean is divided by its share, which is 0",
+        "the divisor is at least 1e-6", 1e-6, "absolute error", "two products and a quotient are rounded"},
        {glsl_edit("mean.z * mean.z / max(mean.w, MULTUM_AMPLITUDE_MIN)", "mean.z * mean.z / mean.w")},
        planar_mean_normals,
        {"multum_gmm_normal_map", "multum_gmm_facet_variance"}},
@@ -217,14 +218,14 @@ std::vector<GlslCase> moment_cases() {
   const std::string file = "moment_shading.glsl";
   return {
       {{"glsl-mean-normals-of-every-length", file,
-        "a mean longer than 1 gives a gloss above 1 or below 0, and a mean of length 0 divides 0 by 0",
+        "a mean longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
         "1 - length is at least 0, and a mean of length 0 reflects nothing", 1e-5, "of the peak times 2 pi",
         "mu and h are rounded by 6e-8, and the exponent multiplies the angle"},
        {glsl_edit("max(1.0 - size, 0.0)", "(1.0 - size)")},
        toksvig_of_every_length,
        {"multum_moments_toksvig"}},
       {{"glsl-slope-variance-below-0", file, "E[s^2] is below E[s]^2, and the root of a negative determinant is NaN",
-        "variances are at least 0", 2e-6, "of the peak, above the peak or below 0",
+        "variances are at least 0", 2e-6, "excess over the peak or shortfall below 0, relative to the peak",
         "a root, a division and an exponential are rounded"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))", "(slopes.zw - slopes.xy * slopes.xy)")},
        slope_variance_below_0,
@@ -239,7 +240,7 @@ std::vector<GlslCase> moment_cases() {
        slopes_along_a_line},
       {{"glsl-steep-slopes-under-sharp-highlights", file,
         "half floats have steps of 0.25 at 400, but moments at s = 1e5 need steps of 1e-5",
-        "moments have 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+        "moments are stored in 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
         "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 with slope b",
         "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",

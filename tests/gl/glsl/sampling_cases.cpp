@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of random draws: normals of lobes, numbers of blue noise, texels of footprints.
+// Defines the numerical cases of random samples: normals of lobes, values of blue noise, and texels of footprints.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Lobes of every width about every direction, including straight down, where the choice of tangents changes.
+// Tests lobes of every width in every direction. For lobes that point downwards, the shader chooses other tangents.
 void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_movmf_drawn_normal(a, b.xy), 0.0)", {}, {}};
   for (const double tilt : {0.0, 40.0, 90.0, 140.0, 180.0})
@@ -40,7 +40,8 @@ void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst)
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests every frame of a pixel, including frame numbers whose float has no fraction left; `map` holds quarters.
+// Tests a pixel in many frames. Some frame numbers are so large that their product has no fraction in float. `map`
+// contains quarters.
 void numbers_of_the_millionth_frame(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kSide = 64;
   std::vector<float> texels;
@@ -111,7 +112,7 @@ std::uint32_t hash(std::uint32_t v) {
   return (word >> 22u) ^ word;
 }
 
-// Each pixel's own number is the number of its element.
+// Uses the index of each element as the number of its pixel.
 void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr std::uint32_t kSteps[] = {3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u};
   for (const int sample : {0, 1, 1000003, 2147483647}) {
@@ -127,7 +128,7 @@ void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, W
   }
 }
 
-// Only texels that a filter mixes at one place are drawn, for places inside the map and far outside.
+// Tests that only texels that a filter mixes at one position are chosen, for positions inside the map and far outside.
 void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kWidth = 37, kHeight = 21;
   constexpr WrapMode kModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};
@@ -172,14 +173,14 @@ std::vector<GlslCase> glsl_sampling_cases() {
        normals_drawn,
        {"multum_movmf_drawn_normal"}},
       {{"glsl-numbers-of-the-millionth-frame", "blue_noise.glsl",
-        "a large product in float has no fraction, so all frames draw the same random number",
+        "a large product in float has no fraction, so all frames use the same random number",
         "frame numbers are reduced modulo 1024", 1e-4, "absolute error", "a product of 772 is rounded by 6e-5"},
        {glsl_edit("frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES)", "frame")},
        numbers_of_the_millionth_frame,
        {"multum_blue_noise"}},
       {{"glsl-texels-far-outside", "footprint.glsl",
         "truncating quotients towards 0 selects wrong texels to the left of the map", "quotients are rounded down",
-        kNothingWrong, "texels", "texel coordinates are whole numbers"},
+        kNothingWrong, "texels of difference", "texel coordinates are whole numbers"},
        {glsl_edit("(i >= 0 ? i / period : -1 - (-1 - i) / period)", "(i / period)")},
        texels_far_outside,
        {"multum_wrapped"}},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of surface/ and of a mesh's tangent frame. Compares every representation of a single normal with
-// that normal in double, seen from above, from below and from exactly behind; also tries an empty material.
+// Defines the numerical cases of surface/ and of the tangent frame of a mesh. Compares every representation of a
+// single normal with the normal in double. Views are from above, from below and from exactly behind. Also tests an
+// empty material.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ constexpr double kFacetExponent = 16.0;
 const double kSigma = 0.25, kFacetKappa = 0.5 / (kSigma * kSigma);
 const glm::dvec3 kView(0.0, 0.0, 1.0);
 
-// Computes V of cook_torrance.glsl without dividing by a cosine that may be 0.
+// Computes V of cook_torrance.glsl without dividing by a cosine that can be 0.
 double visibility(double n_l, double n_v, double n_h, double v_h) {
   const double groove = 2.0 * n_h / std::max(v_h, 1e-4);
   return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), groove / std::max({n_l, n_v, 1e-4}));
@@ -44,7 +45,7 @@ double blinn_phong(const glm::dvec3& n, const glm::dvec3& h) {
   return reference::blinn_phong(kFacetExponent, angle_between(n, h));
 }
 
-// One representation of the normal a.xyz with amplitude a.w: its input to the shader, and its f(n . h).
+// Describes one representation of the normal a.xyz with amplitude a.w: its input to the shader, and its f(n . h).
 struct SurfaceTest {
   std::vector<std::string> flags;
   std::string texts;
@@ -104,7 +105,8 @@ void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_surface(gl, edits, test, worst);
 }
 
-// d h + mu / s with a half vector opposite to mu: the terms cancel. Also tries other sums without a direction.
+// Tests `d h + mu / s` with a half vector opposite to mu, so the terms cancel. Also tests other sums without a
+// direction.
 void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, lobe_texts(), "", true};
   GlslComparison c{"vec4(test_highlight(a, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0), b.xyz), 0.0, 0.0, 0.0)", {}, {}};
@@ -146,7 +148,7 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
   compare_surface(gl, edits, test, worst);
 }
 
-// The normal as one normal (MIP) and by Toksvig's rule, where its length holds the roughness too.
+// Tests the normal as one normal (MIP) and by Toksvig's rule, which also stores the roughness in the normal's length.
 void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
     SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
@@ -156,7 +158,7 @@ void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Converts the exponents of a roughness map, from mirrors to the roughest, to variances.
+// Converts the exponents of a roughness map to variances, from mirrors to the roughest texel.
 void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kMirrorExponent = 1e5;
   GlslComparison c{"test_variances(a.x)", {}, {}};
@@ -181,7 +183,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Basis functions of the normal up to order 2, as a file stores them.
+// Shader statements that store the basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
@@ -222,7 +224,8 @@ void single_normals_as_harmonics(const GlFunctions& gl, const Edits& edits, Wors
   compare_glsl(gl, edits, c, worst);
 }
 
-// Equal light from every direction: a single normal shows exactly this light, an empty material shows none.
+// Tests equal light from every direction. A single normal reflects exactly this light, and an empty material reflects
+// no light.
 void compare_environment(const GlFunctions& gl, const Edits& edits, const SurfaceTest& test, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -263,7 +266,7 @@ void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Light from everywhere, and light made of two bands: both need only E[n] and E[n n^T].
+// Tests light from all directions, and light made of two bands. Both need only E[n] and E[n n^T].
 void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
                    kFillHarmonics, false};
@@ -286,8 +289,8 @@ void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, Wors
   compare_glsl(gl, edits, c, worst);
 }
 
-// The columns must be unit vectors at right angles for every tangent, and must keep the tangent's direction if it has
-// one.
+// The columns must be perpendicular unit vectors for every tangent. If the tangent has a direction, the columns must
+// keep it.
 void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslInputs inputs;
   for (const double tilt : {0.0, 50.0, 90.0, 180.0})
@@ -332,8 +335,8 @@ std::vector<GlslCase> environment_cases() {
        {glsl_edit("reflection.specular = lobe.w * multum_environment_specular(mu, d, v);",
                   "reflection.specular = multum_environment_specular(mu, d, v);"),
         glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;", "")}},
-      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 counts as no material", 1e-4,
-        unit, reason},
+      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 counts as an empty material",
+        1e-4, unit, reason},
        {glsl_edit("if (length(mean) <= MULTUM_MEAN_MIN) return", "if (false) return")},
        means_in_an_environment,
        {"multum_reflect_environment"}},
@@ -351,7 +354,7 @@ std::vector<GlslCase> environment_cases() {
 std::vector<GlslCase> glsl_surface_cases() {
   const std::string
       unit = "absolute error",
-      behind = "light from exactly behind, or an empty material, divides 0 by 0",
+      behind = "light from exactly behind or an empty material causes a division of 0 by 0",
       reason = "errors of 6e-8 in n and h grow with the exponent of 16, and visibility is divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
@@ -360,19 +363,20 @@ std::vector<GlslCase> glsl_surface_cases() {
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
       {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h is computed at the lobe's mean, not near h",
-        "n . h uses a direction between h and the mean; if the two cancel, the divisor is at least 1e-6", 1e-2, unit,
-        "the cosine model has an error of 0.22 % for l and v, and V exceeds 1"},
+        "n . h is computed with a direction between h and the mean; if h and the mean cancel, the divisor is at least "
+        "1e-6",
+        1e-2, unit, "the cosine model has an error of 0.22 % for l and v, and V exceeds 1"},
        {glsl_edit("multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent",
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
        {"multum_lobe_visibility"}},
-      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude of 0",
+      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude, which is 0",
         "the divisor is at least 1e-6", 1e-3, unit, "for a mean near the rim, the error is the root of 1.2e-7"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        single_normals_as_gaussians,
        {"multum_reflect", "multum_gmm_visibility"}},
       {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon makes the highlight negative",
-        "cosines are at least 0; a mean shorter than 1e-12 counts as no material", 2e-5, unit, reason},
+        "cosines are at least 0; a mean shorter than 1e-12 counts as an empty material", 2e-5, unit, reason},
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
@@ -386,7 +390,8 @@ std::vector<GlslCase> glsl_surface_cases() {
        {glsl_edit("return max(sum, 0.0);", "return sum;"), glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        single_normals_as_harmonics,
        {"multum_reflect"}},
-      {{"glsl-tangents-along-the-normal", "reflection.glsl", "a tangent along the normal or of length 0 divides 0 by 0",
+      {{"glsl-tangents-along-the-normal", "reflection.glsl",
+        "normalising a tangent that is parallel to the normal or has length 0 divides 0 by 0",
         "any tangent at right angles to the normal is used", 2e-6, unit, "three roots and a cross product are rounded"},
        {glsl_edit("if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))", "if (false)")},
        tangents_along_the_normal,
