@@ -56,7 +56,7 @@ TEST_F(AnimationCommandTest, Refusals) {
   expect_refused({path("."), "-o", output}, kInput, {folder_.path(), "no scene.json"});
   expect_refused({path("renders")}, kUsage, {"--output"});
   expect_refused({"-o", output}, kUsage, {"folder"});
-  expect_refused({path("renders"), "-o", path("none/animation.toml")}, kEnvironment, {"none"});
+  expect_refused({path("renders"), "-o", "/proc/none/animation.toml"}, kEnvironment, {"/proc/none"});
   expect_refused({path("renders"), "-o", path("renders")}, kUsage, {"renders"});
   const std::string scene = read_bytes(path("renders/scene.json"));
   expect_refused({path("renders"), "-o", path("renders/scene.json")}, kUsage, {"scene.json"});

@@ -82,7 +82,7 @@ TEST_F(RefusalTest, InputsThatAreNoNormalMap) {
 TEST_F(RefusalTest, DamagedInputs) {
   const std::string whole = read_bytes(path("map_normal.png"));
   write_bytes(path("cut.png"), whole.substr(0, whole.size() / 2));
-  expect_refused(path("cut.png"), {}, kInput, {"cut.png", "cut: ", std::to_string(whole.size() / 2), "expected"});
+  expect_refused(path("cut.png"), {}, kInput, {"cut.png", "cut short: ", std::to_string(whole.size() / 2), "expected"});
   std::string damaged = whole;
   for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 64; ++i) damaged[i] = '\x55';
   write_bytes(path("damaged.png"), damaged);
@@ -146,7 +146,7 @@ TEST_F(RefusalTest, OutputsThatCannotBe) {
   expect_failure(bake(path("out/folder.exr")), kUsage, {"folder.exr", "a folder"});
   std::filesystem::remove(path("out/folder.exr"));
   // Nobody can write here, not even root.
-  expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "created"});
+  expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "cannot create"});
   expect_failure(multum({"bake", map, "-o", path("out/map.exr"), "--report", "/proc/none/r.json"}), kEnvironment,
                  {"/proc/none", "folder"});
   expect_failure(multum({"bake", map, "-o", path("map_albedo.exr"), "--albedo", path("map_albedo.exr")}), kUsage,

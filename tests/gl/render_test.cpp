@@ -288,7 +288,8 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
     const MomentMaterial material(context_->functions(), coarse, 1.0f, nullptr);
     ADD_FAILURE() << "no normal map";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("expected the one of 64 x 64 texels"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("expected the baked normal map of 64 x 64 texels"), std::string::npos)
+        << error.what();
   }
   MomentMipmap cut = whole;
   cut.levels[2].slopes.pop_back();

@@ -45,7 +45,7 @@ TEST_F(ExportFormsTest, PicturesOfSimpleShapesChooseTheForm) {
       "--form", "auto", "--for", "godot", "--no-measure", "--roughness", path("rough.png"), "--report", path("r.json")};
   const ProgramResult result = run(more);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("a pixel plain "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" texels per pixel plain "), std::string::npos) << result.out;
   EXPECT_NE(result.out.find(" %, one lobe "), std::string::npos) << result.out;
   const auto report = nlohmann::json::parse(read_bytes(path("r.json")));
   EXPECT_EQ(report["form"], "auto");

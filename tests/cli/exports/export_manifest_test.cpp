@@ -151,7 +151,8 @@ TEST_F(ExportManifestTest, RefusesWhatIsWrongWithItsLine) {
   refused(map + "output = \"out.png\"\n", {"maps.toml:3", "out.png", "NAME.ktx2"});
   refused(map + "output = \"out_<UDIM>\"\n", {"maps.toml:3", "<UDIM>"});
   refused("[[map]]\ninput = \"rock_<UDIM>.png\"\noutput = \"out\"\n", {"maps.toml:3", "a set"});
-  refused(map + "output = \"out\"\n" + map + "output = \"out/../out\"\n", {"maps.toml:6", "wall.png goes already"});
+  refused(map + "output = \"out\"\n" + map + "output = \"out/../out\"\n",
+          {"maps.toml:6", "already the output of ", "wall.png"});
   refused(map + "output = \"out\"\nlobes_per_texel = 1\n", {"maps.toml:4"});
   write_manifest(kTwoMaps);
   expect_refusal(multum({"export", path("wall.png"), "-o", path("out"), "--manifest", path("maps.toml")}), kUsage,

@@ -422,7 +422,7 @@ TEST_F(InferredPictureTest, WrongCommandLinesAreUsageErrors) {
   // Tests files of textures, including those that the command never reads.
   const std::string before = read_bytes(path("waves_1.exr"));
   for (const char* texture : {"waves_0.exr", "waves_1.exr"})
-    refuse({"--at", "2,0", "-o", path(texture)}, {texture, "read"});
+    refuse({"--at", "2,0", "-o", path(texture)}, {texture, "is an input"});
   EXPECT_EQ(read_bytes(path("waves_1.exr")), before);
 }
 

@@ -94,7 +94,7 @@ TEST_F(ViewRefusalTest, UnusableFilesAreInputErrors) {
 
 TEST_F(ViewRefusalTest, ImpossiblePicturesAreEnvironmentErrors) {
   expect_refusal({"-o", path("out.png"), "--size", "1000000x4", "--context", "osmesa"}, 4, {"1000000 x 4"});
-  expect_refusal({"-o", path("no/folder/out.png"), "--size", "8x8", "--context", "osmesa"}, 4, {"folder"});
+  expect_refusal({"-o", "/proc/no/folder/out.png", "--size", "8x8", "--context", "osmesa"}, 4, {"/proc/no"});
 }
 
 TEST_F(ViewRefusalTest, OutputsOverwriteNeitherInputsNorEachOther) {
@@ -127,9 +127,9 @@ TEST_F(ViewRefusalTest, OutputsOverwriteNeitherInputsNorEachOther) {
 }
 
 TEST_F(ViewRefusalTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
-  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", path("no/folder/r.json")}, 4, {"folder"});
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", "/proc/no/folder/r.json"}, 4, {"/proc/no"});
   expect_refusal({"-o", path("out.png"), "--size", "8x8", "--report", folder_.string()}, 2, {"is a folder"});
-  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", path("no/folder/p")}, 4, {"folder"});
+  expect_refusal({"-o", path("out.png"), "--size", "8x8", "--pictures", "/proc/no/folder/p"}, 4, {"/proc/no"});
 }
 
 TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {

@@ -184,7 +184,7 @@ TEST_F(BakeManifestTest, WrongTypesAndRanges) {
   refused("height_scale = 1e39", {"height_scale", "1e+39"});
   refused("repair_max = 1.5", {"repair_max", "1.5", "0 to 1"});
   expect_refused("albedo = \"\"", "albedo = 3", {"map.albedo", "3", "text"});
-  expect_refused("unsigned = true", "unsigned = true\nsigned = true", {"map.unsigned", "signed", "expected one"});
+  expect_refused("unsigned = true", "unsigned = true\nsigned = true", {"map.unsigned", "signed", "expected only one"});
   for (const char* value : {"0", "-0.1", "inf", "nan", "\"small\""})
     expect_refused("error_max = 0.25", std::string("error_max = ") + value, {"map.error_max", "above 0"});
   expect_refused("lobes = 3", "lobes = 12", {"defaults.lobes", "12"});
@@ -239,7 +239,7 @@ TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
   };
   refused("target_error = 0.1\nsh_order = 3\nndf = \"sh\"", "7",
           {"map.sh_order", "exclude each other", "target_error"});
-  refused("target_error = 0.1\nbudget_ms = 5", "7", {"map.budget_ms", "beside", "target_error"});
+  refused("target_error = 0.1\nbudget_ms = 5", "7", {"map.budget_ms", "together with", "target_error"});
   refused("target_error = 0", "6", {"map.target_error", "0"});
   refused("brdf = \"lambert\"", "6", {"map.brdf", "target_error", "budget_ms", "neither"});
   refused("target_error = 0.1\nbrdf = \"phong:3\"", "7", {"map.brdf", "phong:3"});

@@ -53,7 +53,7 @@ TEST(JobTypes, ThoseOfOneMapTakeNothingElse) {
     const JobType& type = find_job_type(name);
     EXPECT_EQ(input_refusal(type, "/a.png"), "");
     EXPECT_EQ(input_refusal(type, "/a.toml"),
-              "parameters.input is /a.toml, expected a map; a scene is baked by a job of type scene");
+              "parameters.input is /a.toml, expected a map; for a scene, submit a job of type scene");
     EXPECT_EQ(input_refusal(type, "/a_<UDIM>.png"), "parameters.input is /a_<UDIM>.png, expected one map, not a set");
   }
   EXPECT_EQ(input_refusal(find_job_type("export"), "/a.ndf.exr"),

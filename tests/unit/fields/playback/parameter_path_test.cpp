@@ -69,7 +69,7 @@ TEST(ParameterPath, RefusesWhatItDoesNotUnderstand) {
                {"view=__import__", {"'__import__'"}},
                {"view=" + std::string(200, '('), {"at most 64"}},
                {"view=" + std::string(200, '-') + "1", {"at most 64"}},
-               {"view=" + std::string(5000, '1'), {"5005 letters", "4096"}}};
+               {"view=" + std::string(5000, '1'), {"5005 characters", "4096"}}};
   for (const auto& one : cases)
     testing::expect_error(ErrorCode::kUsage, one.parts, [&] { values(one.text, 0.0, 0.0); });
   testing::expect_error(ErrorCode::kUsage, {"'light'", "finite"}, [&] { values("light=1/t", 0.0, 0.0); });

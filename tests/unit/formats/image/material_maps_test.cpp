@@ -121,7 +121,7 @@ TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
   EXPECT_TRUE(report_of(3, rough).warnings.empty()) << "grey";
   EXPECT_TRUE(report_of(3, packed).warnings.empty());
   ASSERT_EQ(report_of(3, coloured).warnings.size(), 1u);
-  expect_says(report_of(3, coloured).warnings[0], {"map.exr: ", "correlation 1.00", "specular", "FILE:CHANNEL"});
+  expect_says(report_of(3, coloured).warnings[0], {"map.exr: ", "correlation of 1.00", "specular", "FILE:CHANNEL"});
   EXPECT_TRUE(report_of(3, coloured, false, "R").warnings.empty()) << "the channel was named";
   ASSERT_EQ(report_of(1, dark).warnings.size(), 1u);
   expect_says(report_of(1, dark).warnings[0], {"map.exr: ", "75 %", "0.1", "specular"});

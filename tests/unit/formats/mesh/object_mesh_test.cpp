@@ -45,8 +45,8 @@ TEST(ObjectMesh, VGrowsUpwardsAndSetsAreTold) {
   EXPECT_EQ(read_object_meshes(folder / "sets.gltf", 0)[0].uvs, set0);
   EXPECT_EQ(read_object_meshes(folder / "sets.gltf", 1)[0].uvs, set1);
   expect_refused(folder / "sets.gltf", 2, {"object 'thing'", "set 2", "TEXCOORD_2"});
-  expect_refused(folder / "sets.gltf", -1, {"set -1", "expected 0 to 7"});
-  expect_refused(folder / "sets.gltf", 8, {"set 8", "expected 0 to 7"});
+  expect_refused(folder / "sets.gltf", -1, {"set is -1", "expected 0 to 7"});
+  expect_refused(folder / "sets.gltf", 8, {"set is 8", "expected 0 to 7"});
 }
 
 TEST(ObjectMesh, ObjectsOfObjAreNamedAndPartsJoined) {

@@ -36,7 +36,7 @@ function framesText() {
     node("b", {}, `${count} drawn with them by multum-view have a mean squared error of ${mse(frames.mse)}`),
     `, or a root mean square error of ${mse(rms)} of 255 steps${ratio}.`,
     uncovered > 0 ? ` ${uncovered} of ${all} pixels are not covered wholly by objects and are left out.` : "",
-    notFinite > 0 ? ` ${notFinite} pixels are left out because they are NaN or infinite.` : "",
+    notFinite > 0 ? ` ${notFinite} pixels are left out because they are not finite.` : "",
   ];
 }
 
@@ -218,7 +218,7 @@ function countTable() {
     ["of these, without a wholly covered pixel nearby", s.unguided_pixels],
     ["values below 0 after that, set to 0", s.clamped_values],
     ["values above the radiance maximum, clipped", s.clipped_values],
-    ["depths that are NaN", data.nan_depths],
+    ["depths that are not numbers", data.nan_depths],
     ["rows of filter matrices", data.rows],
     ["of these, rejected", data.rows_rejected],
     ["matrices measured in this run", data.matrices_measured],
