@@ -18,7 +18,7 @@ struct BakePlan {
   std::uint64_t memory_bytes = 0;  // limit for the windows and buffers of a level
   std::map<int, BandPlan> levels;  // [level], for fitted levels
   int bin_rows = 1;                // rows of the map per band for binning coarse texels
-  std::int64_t spill_bytes = 0;    // larger outputs of a level, for the next level, go to scratch files
+  std::int64_t spill_bytes = 0;    // larger outputs, which the next level reads, go to scratch files
 
   /// Describes the plan: one line for the whole fit and one line per level.
   std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const;

@@ -29,7 +29,7 @@ struct FitReport {
   std::uint64_t lobe_count_total = 0;
   std::uint64_t nonfinite = 0;         // must be 0
   std::uint64_t kappa_clamped = 0;     // lobes above MovmfSettings::kappa_cap, which EM may have treated as less sharp
-  std::uint64_t dead_lobes = 0;        // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
+  std::uint64_t dead_lobes = 0;        // amplitude below 1e-6; below 1e-7 (DEAD_SHARE), EM keeps the direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
 };
 

@@ -125,7 +125,7 @@ ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSe
                            const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
                            bool is_timed) {
   device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
-  const StartTrial start_trial(device, proxy, whole, schedule);  // with the map's kernels: no second set of programs
+  const StartTrial start_trial(device, proxy, whole, schedule);  // uses the map's kernels, to avoid a second set
   if (is_timed) start_trial.error_from(candidates.front());
   const RunClock clock([&device] { return device.timed_seconds(); });
   ChosenStart chosen;

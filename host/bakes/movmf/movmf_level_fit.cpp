@@ -47,7 +47,7 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   WindowRows rows{fit.height, fit.parent_height, fit.map_height};
   if (!is_whole(level, settings, plan)) {
     rows.level = plan.band_rows + total_steps(level, settings);
-    rows.parent = rows.level / 2 + 5;  // one more above and below: movmf_choose.cl reads parents' neighbours
+    rows.parent = rows.level / 2 + 5;  // one more above and below, because movmf_choose.cl reads neighbours
     rows.map = map_rows_end(fit, rows.level) + 1;
   }
   if (level.method == FitMethod::kChunks)

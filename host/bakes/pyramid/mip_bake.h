@@ -27,7 +27,7 @@ struct MipJob {
   StorageEncoding encoding = StorageEncoding::kHalf;
   float scale = 1.0f;  // factor for the values of the file
   BakedWriteOptions writing;
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the image; changes no byte
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // limit for buffers and image; changes no output
   std::string scratch_folder;                             // empty: the output's folder
   int threads = 1;
   bool force = false;

@@ -104,7 +104,7 @@ BoxMap box_map(const ReflectanceJob& job) { return {job.size, job.size, 3, 0}; }
 BoxPyramid::Memory memory_of(const ReflectanceJob& job, double evaluations_a_row) {
   const auto size = static_cast<std::size_t>(job.size);
   const double rows = std::max(1.0, kEvaluationsALaunch / std::max(1.0, evaluations_a_row));
-  const double row_bytes = 3.0 * 4.0 * 7.0 * static_cast<double>(job.size);  // nodes (two rows) and waiting rows
+  const double row_bytes = 3.0 * 4.0 * 7.0 * static_cast<double>(job.size);  // two rows of nodes, and waiting rows
   const auto wanted = static_cast<std::uint64_t>(std::min(rows * row_bytes, 1e12)) +
                       static_cast<std::uint64_t>(size) * 600 + (std::uint64_t{1} << 16);
   return {std::min(job.memory_bytes, wanted), 4 * 3 * size};
