@@ -41,7 +41,7 @@ struct SceneObject {
   std::size_t map = 0;
   std::vector<std::size_t> materials;             // several materials are basis BRDFs, each with a weight
   double texels_per_metre = 0.0;                  // 0: `width` is given
-  double width = 0.0;                             // metres that the map's width covers; 0: `texels_per_metre` is given
+  double width = 0.0;                             // metres that the map's width covers; 0 if texels_per_metre is given
   double distance_min = 0.0, distance_max = 0.0;  // metres from the camera
   double tilt_max = 85.0;                         // degrees between the line of sight and the surface's normal
 };
@@ -55,7 +55,7 @@ struct SceneBudget {
   std::optional<double> bytes;         // bytes of the textures of all maps together
   std::optional<double> bake_ms;       // time of the bake by the model of docs/evidence/SCENE.md
   std::optional<double> target_error;  // relative L1 error against the reference, for the worst BRDF of each map
-  double estimate_margin = 0.02;       // how far an estimated error may exceed that of the default bake, relative L1
+  double estimate_margin = 0.02;       // allowed excess of an estimated error over the default bake's, relative L1
 };
 
 struct SceneDescription {

@@ -39,7 +39,7 @@ struct View {
   std::string group;
   std::string arguments;                              // next to --brdf
   std::string brdf;                                   // option of multum-view; empty for the target's BRDF
-  bool is_measured;                                   // the bake's measured errors of the target are valid for it
+  bool is_measured;                                   // true if the errors measured for the target are valid
   std::optional<Highlight> highlight = std::nullopt;  // another highlight to measure
   std::string shading = {};                           // AccuracyBrdf::shading of its errors
 };

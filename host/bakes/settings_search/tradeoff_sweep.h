@@ -43,7 +43,7 @@ struct TradeoffRow {
   std::string view;                      // options of `multum-view`; if empty, only the BRDF is given
   ReachedError reached;                  // pixel error with its interval
   std::vector<FootprintError> errors;    // errors of each measured BRDF, with the shading of this row
-  double rendered = -1.0;                // error of the picture, reference with the same filter; < 0: not drawn
+  double rendered = -1.0;                // picture error, against a reference with the same filter; < 0 if not drawn
   RunTime bake;                          // time of fitting or averaging, and of writing; reading is shared by all rows
   double frame_ms = -1.0;                // elapsed time; < 0 if not drawn
   double frame_work_ms = -1.0;           // processor time if software draws, else GPU time; < 0 if not drawn
@@ -53,7 +53,7 @@ struct TradeoffRow {
   std::uint64_t gpu_bytes = 0;           // with these
   std::string picture;                   // PNG bytes; empty if not drawn
   bool is_measured = true;               // false for another BRDF, or for a formula that only the renderer has
-  bool has_error = false;             // `reached` is known; without is_measured, it is the error of the row's own BRDF
+  bool has_error = false;             // true if `reached` is known (if not is_measured, for the row's own BRDF)
   bool fits = true;                   // TradeoffJob's budgets
   std::vector<std::string> warnings;  // warnings of the bake, without the map's name
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // not beaten (mark_fronts())
