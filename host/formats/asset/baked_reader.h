@@ -74,7 +74,7 @@ class BakedReader {
   std::vector<BakedPart> parts_;
   std::unique_ptr<ExrChunks> chunks_;
   std::unique_ptr<RowChecksums> row_checksums_;  // null if the file has no checksums of rows
-  bool is_content_checked_ = false;              // the only checksum of a file without row checksums
+  bool is_content_checked_ = false;              // set once a file without row checksums was checked
   std::vector<std::string> changed_rows_;
 };
 

@@ -252,7 +252,7 @@ void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t c
     glm::vec4& lobe = lobes[all.index[i]];
     if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
     else if (all.length[i] < 2.0) single.add(all, i);
-    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // not finite, or no mean
+    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // not finite, or without mean
   }
   round_single(single);
   round_spread(spread);
