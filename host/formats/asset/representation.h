@@ -35,13 +35,13 @@ struct RepresentationInfo {
   const char* help;                        // description in one line
   const char* contents;                    // contents of a texel, such as "planar Gaussians"
   const LobeFamily* lobes;                 // the family of lobes (lobes/lobe_family.h); null: no lobes
-  bool has_kappa;                          // mean vectors' lengths give each lobe's kappa, as GGX and exports need
+  bool has_kappa;                          // lengths of mean vectors give each lobe's kappa, for GGX and exports
   bool has_order;                          // true if an order sets the number of values per texel (--sh-order)
   bool has_slopes;                         // true for moments of slopes, which several models shade (--moments)
-  bool takes_every_brdf;                   // false: only one highlight of one width (Tan's) under directional light
+  bool takes_every_brdf;                   // false if it has only Tan's highlight of one width, under directional light
   // Number of four-channel textures, without textures for colours and weights.
   int (*value_textures)(const TexelCounts& counts);
-  int (*mean_count)(const TexelCounts& counts);  // numbers that one pass over the map averages, without features
+  int (*mean_count)(const TexelCounts& counts);  // number of values that a pass over the map averages, without features
   // Return the header, findings and GPU bytes of a file. All three throw Error(kInput) for a broken file.
   BakedHeader (*read_header)(const std::string& path);
   std::vector<VerifyFinding> (*verify)(const std::string& path, int threads);

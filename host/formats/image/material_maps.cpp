@@ -174,7 +174,7 @@ NamedMap map_of_word(const std::string& word, bool is_last) {
                                         {"g", NamedMap::kGloss},
                                         {"s", NamedMap::kSpecular},
                                         {"m", NamedMap::kMetalness}};
-  constexpr std::size_t kLong = 8;  // words of this length also match another word's end: "metallicroughness"
+  constexpr std::size_t kLong = 8;  // words of this length also match the end of longer words: "metallicroughness"
   for (const Word& one : kWords) {
     const std::string_view text = one.text;
     if (word == text || word == std::string(text) + "map" || (text.size() >= kLong && word.ends_with(text)))

@@ -99,7 +99,7 @@ LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int h
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {
   int count = 0;
-  std::vector<PlaneStore> rgb_planes;  // as few stores of three planes as hold them; unused planes are 0
+  std::vector<PlaneStore> rgb_planes;  // the fewest stores of three planes that hold the weights; unused planes are 0
   std::vector<std::string> warnings;   // with the file's name
 };
 

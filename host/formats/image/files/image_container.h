@@ -31,7 +31,7 @@ struct ImageContainer {
   std::vector<std::string> notes = {};     // ignored statements of the file about its picture, one per line
   double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale if its unit is the metre; 0 if unknown
   std::optional<double> no_data = {};      // GeoTIFF: stored value of texels without data
-  bool inverts_integers = false;           // TIFF: 0 is white, which OpenImageIO 2.4.7 does not invert beyond 8 bits
+  bool inverts_integers = false;           // TIFF: 0 is white; OpenImageIO 2.4.7 does not invert more than 8 bits
   std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words `v * 256` of a colour map, which stand for `v * 257`
   std::vector<BytePatch> patches = {};     // TIFF: bytes that OpenImageIO 2.4.7 would misread
   double gamma = 0.0;                      // PNG: exponent from value to light (1 / gAMA); 0 for none or sRGB
