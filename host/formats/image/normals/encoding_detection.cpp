@@ -3,16 +3,15 @@
 // threshold. The test SharedData.EveryFileOfTheManifestIsUnderstood prints the values of every file.
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
 //     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo looks like a height, so a warning says so.
-//     An image with one value says nothing and one with two values is a mask; both are refused. Heights whose bytes are
-//     spread over channels count too (packed_heights.h).
+//     An image with one value has no information, and an image with two values is a mask; both are rejected. Heights
+//     whose bytes are spread over channels are also recognised (packed_heights.h).
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt if x^2 + y^2 <= 1 allows it.
 //     A blue that equals the rounded z of nearly flat normals is kept: both readings are then equal up to rounding.
 //  3. Floats are 0..1 or signed, depending on which reading gives unit vectors. Integers are 0..1.
 //  4. z is blue itself, in 0..1, if only this reading gives unit length (`is_z_positive`).
 //  5. The file is rejected unless it looks like normals (`refusal` below), or if blue is not z (`blue_doubt`).
-//  6. Green follows from the gradient agreement, and is up if the agreement is undecided. The caller's settings take
-//  precedence; a warning names
-//     the disagreement.
+//  6. Green follows from the gradient agreement, and is up if the agreement is undecided.
+// The caller's settings take precedence; a warning names the disagreement.
 #include "host/formats/image/normals/encoding_detection.h"
 
 #include <algorithm>

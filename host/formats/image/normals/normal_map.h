@@ -27,11 +27,11 @@ enum class WrapOrigin { kDefault, kSaid, kFound };
 struct NormalMapSettings {
   BumpFormat bump_format = BumpFormat::kAuto;
   std::optional<GreenAxis> green = std::nullopt;   // if unset, from statistics, or up if these are undecided
-  std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are the vector, false: 0..1
+  std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are vectors; false: 0..1
   std::optional<bool> two_channel = std::nullopt;  // if unset, from statistics; true: z = sqrt(1 - x^2 - y^2)
   std::optional<ZRange> z_range = std::nullopt;    // if unset, from statistics; for unsigned files that store z
   float height_scale = 1.0f;                       // height in texels of a value difference of 1; finite, != 0
-  bool dequantize = false;                         // heights of few bits: use the smoothest surface that rounds to them
+  bool dequantize = false;                         // for heights of few bits, uses the smoothest surface that fits
   float normal_scale = 1.0f;              // scales x and y of a normal map, as glTF scales normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // wrap mode for height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
@@ -58,7 +58,7 @@ struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
   std::string encoding_reason;              // statistics that justify the encoding, in one line
-  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md), or no data: flat
+  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md) or without data
   std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
   std::int64_t zero_length_repaired = 0;    // replaced by the mean of the 3 x 3 neighbours, otherwise flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/formats/image/normals/normal_decode.h)

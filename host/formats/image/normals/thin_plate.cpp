@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-constexpr int kFinestSteps = 64, kMostSteps = 250;  // twice as many at each coarser level
+constexpr int kFinestSteps = 64, kMostSteps = 250;  // steps, with twice as many at each coarser level
 constexpr int kCoarsestSide = 8;                    // the longer side
 constexpr int kLeastSide = 3;                       // fewer rows do not bend and have no slope
 constexpr float kCut = 1.5f;                        // codes
@@ -31,7 +31,7 @@ struct Plate {
   std::vector<float> codes;                          // 0 without a code
   std::vector<std::uint8_t> is_whole;                // true if the texel has a code and no cut inside
   std::vector<std::uint8_t> right_link, below_link;  // links to neighbours; 0 means cut
-  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights of h_xx, h_yy at a texel, h_xy at its lower right
+  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights: h_xx, h_yy at a texel, h_xy at its lower right
 
   std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);

@@ -37,7 +37,7 @@ struct TileBeside {
 /// Borders of a tile's heights, BorderReading::depth rows and columns, with the tile's own row and column numbers.
 struct TileBorders {
   int width = 0, height = 0, base_type = 0;
-  std::string failure;                                      // why there are no borders; empty: there are
+  std::string failure;                                      // why there are no borders; empty if there are some
   std::array<std::shared_ptr<const HeightRows>, 4> strips;  // by TileSide
   std::array<std::string, 4> hashes;                        // SHA-256 of each strip
 };
