@@ -30,7 +30,7 @@ struct DeviceInfo {
   std::string version;  // version of OpenCL, with the driver's additions
   bool is_cpu;
   bool shares_memory;      // true if memory is shared with the host, so that fewer copies save no time
-  bool rounds_when_asked;  // rounds divisions and roots as IEEE requires, but only in programs built with an option
+  bool rounds_when_asked;  // rounds divisions and roots as IEEE requires only in programs built with an option
   bool has_atomic_longs;   // cl_khr_int64_base_atomics
   int compute_units;
   int work_group_max;         // work-items

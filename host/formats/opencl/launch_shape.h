@@ -33,7 +33,7 @@ struct LaunchShape {
   std::size_t strip_local_size;       // of these
   std::size_t staging_bytes;          // bytes of one copy; 0 if nothing is copied
   std::uint64_t window_bytes_max;     // limit for rows fitted at once; 0 if --memory is the limit
-  std::uint64_t window_bytes_useful;  // more is not faster; 0: by cache size (host/bakes/movmf/bake_plan.h)
+  std::uint64_t window_bytes_useful;  // more is not faster; 0: chosen by cache size (host/bakes/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
   /// Returns whether teams fit this many texels at once, with at most `sample_capacity` samples each.

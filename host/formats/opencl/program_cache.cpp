@@ -148,7 +148,7 @@ void prepare_program(DeviceState& state, const std::string& file, const std::str
   if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return;
   const Source source = source_of(state, file, options);
   std::error_code ignored;
-  if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, and builds it again if damaged
+  if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, or builds it again
   tell_of_building(state);
   // Every thread has its own context. PoCL builds only one program at a time per context, and reads its function
   // library once per context, which takes half as long as building a small program. The state outlives its builds,
