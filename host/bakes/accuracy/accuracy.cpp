@@ -20,8 +20,8 @@ namespace {
 //
 // Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i, where w_i is the number of texels in cell i (Cochran
 // 1977, section 9A.7). The error is a ratio R of two such sums. The variance of R is the variance of sum_i w_i e_i, e_i
-// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). Where a texel has
-// no such point, e_i = 0 (section 5A.14).
+// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). If a texel has no
+// such point, e_i = 0 (section 5A.14).
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
 //
@@ -166,8 +166,8 @@ class Comparison {
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& reference : pass.references) streamed.push_back(reference.get());
-      // Footprints use the same directions, and all of them in this pass. Footprints reuse the values of directions
-      // that the pass evaluates.
+      // Footprints use all directions in this pass, and reuse the values that the pass
+      // evaluates.
       for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
         if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
         else streamed.push_back(footprint_references[d].get());
@@ -192,7 +192,7 @@ class Comparison {
     return rows;
   }
 
-  // Errors of one of `count` equal, consecutive parts of the footprints.
+  // Errors of one part of the footprints, which are split into `count` equal, consecutive parts.
   std::vector<FootprintError> footprint_errors(int part, int count) const {
     const std::vector<Footprint>& all = places_.footprints.footprints();
     const auto place = [&](int number) {
@@ -219,8 +219,8 @@ class Comparison {
   std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
   // Directions that do not fit need another pass over the map. With 2048 samples per level, all 40 values of a map of
-  // 16384 x 16384 take 33 MB, and four times that with colours. With every texel of a map of 1024 x 1024, three values
-  // take 34 MB. The result does not depend on the number of threads, because sums are added pass by pass.
+  // 16384 x 16384 need 33 MB, or four times as much with colours. With every texel of a map of 1024 x 1024, three
+  // values need 34 MB. The result does not depend on the number of threads, because sums are added pass by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kReferenceBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
@@ -267,7 +267,7 @@ class Comparison {
     const std::vector<Footprint>& footprints = places_.footprints.footprints();
     const FootprintSettings settings = footprint_settings(settings_);
     PointTaps points;
-    std::vector<std::size_t> point_begin = {0};  // [footprint]; a last entry ends the last range
+    std::vector<std::size_t> point_begin = {0};  // [footprint]; the last entry is the end of the last range
     std::vector<FilterTap> taps;
     for (const Footprint& footprint : footprints) {
       taps.clear();
@@ -294,7 +294,7 @@ class Comparison {
       }
   }
 
-  // Adds the errors of one channel; -1: without colours.
+  // Adds the errors of one channel; -1 if there are no colours.
   void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::size_t first_brdf) {
@@ -352,7 +352,7 @@ class Comparison {
     }
   }
 
-  // Fills sums[point][highlights, then Lambert] for one channel; -1: without colours.
+  // Fills sums[point][highlights, then Lambert] for one channel; -1 if there are no colours.
   void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
                       int channel, std::vector<ErrorSum>& sums) const {
     constexpr int kPointsPerBand = 4096;
@@ -384,7 +384,7 @@ class Comparison {
     return sum;
   }
 
-  // One group without colours, and one with them if there are any.
+  // One group without colours and, if the file has colours, one group with colours.
   std::size_t groups_per_shading() const { return channel_count_ > 0 ? 2 : 1; }
   std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
   AccuracyBrdf what_of(std::size_t brdf) const {
@@ -550,7 +550,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
       sums.push_back({l, settings_.has_roughness ? AccuracyBrdf::roughness() : highlight.id});
     sums.push_back({l, AccuracyBrdf::lambert()});
   }
-  // Values [point][highlight, half vector; then light] of a channel; -1: without colours.
+  // Values [point][highlight, half vector; then light] of one channel; -1 if there are no colours.
   const auto shaded = [&](AccuracyMeter& meter, int channel) {
     AccuracyModel& shown = meter.model();
     shown.set_map_averages(&finest_lobes);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the error of a baked mipmap against its reference, in two ways.
 //
-// The pixel error is the error that a bake states and promises, and that settings are chosen by
+// The pixel error is stored in the file, and settings are chosen by the pixel error
 // (host/bakes/accuracy/footprint_error.h). Reference: the average, over the pixel's footprint, of the BRDF times n . l
 // of every finest normal, in double. Model: the stored texels, rounded as stored, read by the runtime's filter
 // (host/formats/asset/tap_filter.h), filtered and shaded by the runtime's formula (accuracy_model.h). Error: relative
@@ -9,7 +9,7 @@
 //
 // The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. The
 // reference of the table is the average over the normals that the texels cover, with the same filter. The table
-// measures only the BRDF's convolution: f without n . l.
+// measures only the convolution of the BRDF f, without the factor n . l.
 //
 // Levels finer than the first stored level are the normal map's own mips, in float. Each of their texels is one lobe:
 // the mean vector of the normals that the texel covers. Between such a level and a stored one, both are shaded and
@@ -56,11 +56,11 @@ constexpr double kIntervalUnstated = -1.0;
 /// The finest level whose differences are averages (host/bakes/scene/scene_difference.h).
 constexpr int kSummaryLevel = 2;
 
-/// Difference between two files over texel centres, midpoints and points half-way to the next level: sum of |a - b|
-/// and sum of b.
+/// Difference between two files, summed over texel centres, midpoints and points half-way to the next level: sum of |a
+/// - b| and sum of b.
 struct LevelDifference {
   int level;
-  AccuracyBrdf brdf;  // without the way to shade it and without colours
+  AccuracyBrdf brdf;  // the BRDF only, without its shading method and without colours
   double difference = 0.0, by_default = 0.0;
 };
 
@@ -72,7 +72,7 @@ std::string error_text(double error, double confidence);
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one
   std::vector<glm::dvec3> half_vectors;  // at least one
-  std::vector<int> half_vector_lights;   // [half vector]: number of its light; only footprints need it
+  std::vector<int> half_vector_lights;   // [half vector]: index of the light; only for footprints
 };
 AccuracyDirections accuracy_directions();
 
@@ -81,7 +81,7 @@ struct AccuracySettings {
   std::vector<Highlight> highlights;                     // further highlights, after the exponents
   std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
   int footprints_per_octave = 256;                       // 0: none
-  int replicates = 1;                                    // independent choices of footprints, with consecutive seeds
+  int replicates = 1;                                    // number of choices of footprints; seeds are consecutive
   std::uint64_t seed = 1;
   bool has_level_table = true;
   int first_level = 0;  // finer levels and smaller footprints are not measured
@@ -89,7 +89,7 @@ struct AccuracySettings {
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // wrap modes of the file
   AccuracyDirections directions = accuracy_directions();
   // True if normals are shortened by the width of their BRDF (host/formats/image/material_maps.h), by `mean_cosine` on
-  // average. Each normal then has its own highlight, and the BRDFs are "roughness" and "lambert".
+  // average. Each normal then has its own highlight width, and the measured BRDFs are "roughness" and "lambert".
   bool has_roughness = false;
   float mean_cosine = 1.0f;
   int threads = 2;
@@ -103,25 +103,25 @@ class AccuracyMeter {
   AccuracyMeter(const AccuracyMeter&) = delete;
   AccuracyMeter& operator=(const AccuracyMeter&) = delete;
 
-  /// True if the measurement reads any texel of these rows; other rows need not be added.
+  /// True if the measurement reads any texel of these rows. Other rows do not need to be added.
   bool needs_rows(int level, int first_row, int row_count) const;
 
-  /// Measures. Call it once, after all needed rows were added. With `albedo`, which requires a file with colours,
-  /// colours are compared too, per channel. Reads every normal once, or several times if it measures millions of
-  /// texels. Progress: counts no units.
+  /// Measures the error. Call it once, after all needed rows were added. With `albedo`, which requires a file with
+  /// colours, colours are compared too, per channel. Reads every normal once, or several times if it measures millions
+  /// of texels. Progress counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// Difference between this file's shading and that of `by_default`, for the same map at the same texels; call it
+  /// Difference between the shading of this file and of `by_default`, for the same map at the same texels; call it
   /// before run(). With `albedo`, which requires colours in `by_default`, Lambert is compared per channel; a file
   /// without colours is then multiplied by the albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
-  /// One error per BRDF, over all replicates together; valid after run(), if there are footprints.
+  /// One error per BRDF, for all replicates together; valid after run() if there are footprints.
   const std::vector<FootprintError>& footprint_errors() const { return footprint_errors_; }
   /// Errors of each replicate: [replicate][BRDF].
   const std::vector<std::vector<FootprintError>>& replicate_errors() const { return replicate_errors_; }
 
  protected:
-  /// Takes the wrap modes from `header`, and whether it contains a BRDF's width.
+  /// Reads from `header` the wrap modes, and whether the file contains the width of a BRDF.
   AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings);
   /// Texels that models keep.
   const TexelSelection& texels() const { return texels_; }
@@ -132,7 +132,7 @@ class AccuracyMeter {
   const AccuracyPoints points_;  // points of the table of levels
   const FootprintAverages footprints_;
   const TexelSelection texels_;                 // texels that points_ or footprints_ read
-  const std::vector<std::size_t> model_slots_;  // [slot of points_.texels()]: its slot in texels_
+  const std::vector<std::size_t> model_slots_;  // [slot of points_.texels()]: slot of the same texel in texels_
   std::vector<FootprintError> footprint_errors_;
   std::vector<std::vector<FootprintError>> replicate_errors_;
 };
@@ -140,7 +140,7 @@ class AccuracyMeter {
 /// Measures files of lobes.
 class MovmfMeter : public AccuracyMeter {
  public:
-  /// Takes the level sizes, the lobe count and the first level from `header`, whose texels are not needed.
+  /// Takes the level sizes, the lobe count and the first level from `header`; the texels of `header` are not needed.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
       : AccuracyMeter({header.width(), header.height()}, header.header, settings),
         model_(header, has_colours, texels()) {}
@@ -170,7 +170,7 @@ class MomentMeter : public AccuracyMeter {
 /// Measures files of spherical harmonics.
 class ShMeter : public AccuracyMeter {
  public:
-  /// Takes the level sizes, the order and the first level from `header`, whose texels are not needed.
+  /// Takes the level sizes, the order and the first level from `header`; the texels of `header` are not needed.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
       : AccuracyMeter({header.header.width, header.header.height}, header.header, settings), model_(header, texels()) {}
 

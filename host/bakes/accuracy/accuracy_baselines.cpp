@@ -15,7 +15,7 @@ namespace {
 
 using Plane = std::vector<double>;
 
-constexpr double kHorizonZ = 0.05;  // slopes are taken at z >= this value: LEAN has none at the horizon
+constexpr double kHorizonZ = 0.05;  // smallest z for slopes, because slopes are infinite at the horizon
 
 // Planes that can be averaged linearly: the normal, its slopes and their products.
 struct LinearPlanes {

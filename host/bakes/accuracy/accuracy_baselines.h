@@ -25,7 +25,7 @@ struct BaselineRow {
   double error;  // relative L1
 };
 
-/// Measures every texel of all levels. Normals are stored as 16-bit normalised values, as lobes of bakes are; moments
+/// Measures every texel of all levels. Normals are stored as 16-bit normalised values, like the lobes of bakes; moments
 /// are floats.
 std::vector<BaselineRow> measure_baselines(const NormalMap& map, const std::vector<double>& exponents, int threads);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Identifies what an error was measured for: a BRDF, the way to shade it, and whether colours are included. Only this
-// file writes and parses its text, which tables, reports and file headers use.
+// Identifies the subject of a measured error: a BRDF, its shading method, and whether colours are included. Only this
+// file writes and parses the text form, which tables, reports and file headers use.
 #pragma once
 
 #include <string>
@@ -18,13 +18,13 @@ struct AccuracyBrdf {
   AccuracyBrdfKind kind = AccuracyBrdfKind::kLambert;
   double exponent = 0.0;  // of kBlinnPhong
   std::string name;       // for kNamed: "ggx:0.5"
-  std::string shading;    // "toksvig", "lean", ... if there are several ways; else empty
+  std::string shading;    // "toksvig", "lean", ... if there are several shading methods; else empty
   bool has_colours = false;
 
   static AccuracyBrdf lambert() { return {}; }
   static AccuracyBrdf blinn_phong(double exponent) { return {AccuracyBrdfKind::kBlinnPhong, exponent, {}, {}, false}; }
   static AccuracyBrdf roughness() { return {AccuracyBrdfKind::kRoughness, 0.0, {}, {}, false}; }
-  /// Replaces spaces in the name by underscores, because a space separates the way to shade it.
+  /// Replaces spaces in the name by underscores, because a space precedes the shading method.
   static AccuracyBrdf named(std::string name);
 
   /// True if the BRDF is the same, with any shading, with or without colours.
@@ -39,7 +39,7 @@ struct AccuracyBrdf {
   std::string text() const;
 };
 
-/// Parses the output of text(). Unknown texts, written by other programs, are kept as names.
+/// Parses the output of text(). Keeps unknown texts of other programs as names.
 AccuracyBrdf parse_accuracy_brdf(const std::string& text);
 
 }  // namespace multum

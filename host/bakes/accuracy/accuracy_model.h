@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h: values at
-// points of the pyramid, filtered and shaded as the runtime does. A representation may have several ways to shade it;
+// points of the pyramid, filtered and shaded as the runtime does. A representation can have several shading methods;
 // each is measured.
 #pragma once
 
@@ -25,7 +25,8 @@ struct ShadingDirections {
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
   float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, which divides lights; 0: no such map
-  // [half vector]: number, in `lights`, of the light whose cosine n . l multiplies its highlights; empty: no cosine.
+  // [half vector]: index in `lights` of the light whose cosine n . l multiplies the highlights; empty if there is no
+  // cosine.
   std::vector<int> half_vector_lights = {};
 };
 
@@ -47,7 +48,7 @@ class AccuracyModel {
   /// outlive the model.
   int first_level() const { return kept_.first_level(); }
   void set_map_averages(const TexelSums* averages) { map_averages_ = averages; }
-  /// Names of the ways to shade it; one empty name if there is only one way.
+  /// Names of the shading methods; one empty name if there is only one method.
   virtual const std::vector<std::string>& shadings() const = 0;
   /// Call it after all texels were added. The model must outlive the result.
   virtual std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const = 0;
@@ -77,7 +78,8 @@ class DirectionBuffers {
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
   int highlight_count() const { return highlight_count_; }
-  /// Multiplies values, which were shaded as Blinn-Phong of each highlight's exponent, by the highlight's integral.
+  /// Multiplies values by the integral of their highlight. The values were shaded as Blinn-Phong with the highlight's
+  /// exponent.
   void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }

@@ -13,7 +13,7 @@ bool is_whole(PlaneSize size, std::int64_t wanted) {
   return wanted <= 0 || std::int64_t{size.width} * size.height <= kWholeLevelFactor * wanted;
 }
 
-// Side of the grid's cells: gives about `wanted` cells, and at least two.
+// Returns the side of the grid's cells, for about `wanted` cells, and at least two.
 int cell_side(PlaneSize size, std::int64_t wanted) {
   if (is_whole(size, wanted)) return 1;
   const auto count = static_cast<double>(std::int64_t{size.width} * size.height);
@@ -86,7 +86,8 @@ std::vector<AccuracySample> choose_samples(const std::vector<PlaneSize>& levels,
   return samples;
 }
 
-// If every texel of a level is a sample, the samples are all texels to read; the same holds for every coarser level.
+// If every texel of a level is a sample, points read no other texels of this level. This also holds for every coarser
+// level.
 TexelSelection needed_texels(const std::vector<PlaneSize>& levels, const std::vector<AccuracySample>& samples,
                              std::int64_t wanted) {
   std::vector<std::vector<int>> texels(levels.size());

@@ -16,7 +16,7 @@ enum class AccuracyPoint {
   kCentre,   // texel centres: no filtering
   kMidX,     // midway between a texel and its right neighbour
   kMidY,     // midway between a texel and the one below
-  kBetween,  // a texel's centre, half-way to the next coarser level (bilinear there)
+  kBetween,  // a texel's centre, half-way to the next coarser level, which is read with bilinear filtering
 };
 constexpr int kAccuracyPointKinds = 4;
 const char* accuracy_point_name(AccuracyPoint point);
@@ -24,7 +24,7 @@ const char* accuracy_point_name(AccuracyPoint point);
 struct AccuracySample {
   int level;
   int texel;
-  int cell_texels;  // texels in its cell, itself included: its weight in sums; 1 if all texels are samples
+  int cell_texels;  // number of texels in the sample's cell: the sample's weight in sums; 1 if all texels are samples
 };
 
 /// A point as weighted texels: one for a centre, two for a midpoint, up to five between levels.
@@ -36,14 +36,15 @@ struct SamplePoint {
   int tap_count;
 };
 
-/// Levels up to this factor above the wanted samples are measured whole. Sampling one of 2 x 2 texels would save too
-/// little to justify an interval. Without it, a bake takes at most 0.04 s more processor time
+/// Levels with at most this many times the wanted number of samples are measured completely. Sampling one of 2 x 2
+/// texels would save too little to justify an interval. Without it, a bake takes at most 0.04 s more processor time
 /// (docs/contributing/ALGORITHMS.md, "Measured error").
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {
   int first_level = 0;  // finer levels have no samples
-  // Approximate number; 0: every texel. Levels with at most kWholeLevelFactor times as many texels use all of them.
+  // Approximate number of samples; 0 means every texel. Levels with at most kWholeLevelFactor times as many texels use
+  // all of them.
   std::int64_t samples_per_level = 2048;
   std::uint64_t seed = 1;
 };
@@ -54,7 +55,7 @@ class AccuracyPoints {
 
   /// Samples level by level, the finest level first.
   const std::vector<AccuracySample>& samples() const { return samples_; }
-  /// Samples before this number belong to sampled levels; in the later levels every texel is a sample.
+  /// Number of samples in sampled levels. These samples come first; in later levels, every texel is a sample.
   std::size_t chosen_count() const { return chosen_count_; }
   /// All texels that any point reads.
   const TexelSelection& texels() const { return texels_; }

@@ -20,7 +20,7 @@ void multiply_colour(const double* __restrict values, const float* __restrict co
   for (std::size_t i = 0; i < count; ++i) product[i] = values[i] * static_cast<double>(colour[i]);
 }
 
-// Some rows of the planes in memory.
+// Holds some rows of the planes in memory.
 class Band {
  public:
   Band(const FinestPlanes& planes, int rows_per_band) : planes_(&planes) {
@@ -53,7 +53,7 @@ class Band {
 };
 
 int default_rows_per_band(const PlaneStore& normals) {
-  constexpr int kTexelsPerBand = 1 << 18;  // a band takes some milliseconds and stays in the last cache
+  constexpr int kTexelsPerBand = 1 << 18;  // a band needs some milliseconds and stays in the last-level cache
   return std::clamp(kTexelsPerBand / normals.width(), 1, normals.height());
 }
 
@@ -77,7 +77,7 @@ BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& expo
 
 namespace {
 
-// e = 1 - omega . n = |n - omega|^2 / 2: a narrow f needs e to full precision. n is a unit vector.
+// e = 1 - omega . n = |n - omega|^2 / 2: a narrow f needs e in full precision. n is a unit vector.
 void evaluate_density(const Brdf& brdf, const glm::dvec3& omega, const std::array<const float*, 3>& normals, int count,
                       double* values) {
   for (int i = 0; i < count; ++i) {

@@ -67,7 +67,7 @@ class TexelSums : public RowSums {
   std::vector<double> sums_;  // [slot][value]
 };
 
-/// Evaluates the values of one direction for a row; `count` values per texel.
+/// Evaluates `count` values per texel of a row, for one direction.
 struct BrdfValues {
   std::size_t count;
   std::function<void(const std::array<const float*, 3>& normals, int width, const std::vector<double*>& rows)> evaluate;
@@ -76,20 +76,20 @@ struct BrdfValues {
 BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
 /// f at the half vector `omega` for each highlight, divided by highlight_scale().
 BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
-/// (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor; else 1.
+/// (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor; 1 for other BRDFs.
 double highlight_scale(const Highlight& highlight);
-/// One value for shortened normals (evaluate_shortened()).
+/// One value per shortened normal (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
 /// Averages a BRDF times n . l over footprints: the reference of pixels. Value e belongs to highlight e; with colours,
 /// value (1 + c) * count + e is also multiplied by channel c.
 class FootprintReference : public RowSums {
  public:
-  /// `values` are the highlights, which `cosines` multiply; nullopt: Lambert, the cosines only.
+  /// `values` are the highlights, which are multiplied by `cosines`; nullopt for Lambert, which uses only the cosines.
   FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
                      bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Adds a row whose values have been evaluated: of each highlight, or of Lambert.
+  /// Adds a row with evaluated values of each highlight, or of Lambert.
   void add_values(const FinestRow& row, const std::vector<double*>& values);
   double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
 
@@ -109,7 +109,7 @@ class BrdfReference : public TexelSums {
  public:
   BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Passes its values on to `footprints`, which needs the same ones, so that they are evaluated once. Not owned.
+  /// Passes the values on to `footprints`, so that values that both need are evaluated once. `footprints` is not owned.
   void share_with(FootprintReference& footprints) { footprints_ = &footprints; }
 
  private:
@@ -132,10 +132,10 @@ class PlaneAverages : public TexelSums {
 
 struct StreamSettings {
   int threads = 2;
-  int rows_per_band = 0;  // 0: about 3 MB of normals
+  int rows_per_band = 0;  // 0 chooses rows for about 3 MB of normals
 };
 
-/// Gives every row to all of `sums` and finishes them. Progress: counts no units; cancels between bands.
+/// Gives every row to all of `sums` and finishes them. Progress counts no units; cancels between bands.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 

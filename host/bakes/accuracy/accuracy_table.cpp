@@ -12,12 +12,13 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelMax = 63;  // the most of any file: sides fit into 32 bits
+constexpr int kLevelMax = 63;  // the most levels of any file, because sides fit into 32 bits
 
-// Rounds as the file does. The table rounds this value again, so that it is identical from a bake and from its file.
+// Rounds as the file does. The table rounds this value again, so that a bake and its file give the same text.
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
 
-// Half width in millionths, rounded up so that no stated interval is too narrow. Subtracts the noise of the product.
+// Half width in millionths, rounded up so that no stated interval is too narrow. First subtracts the rounding error of
+// the product.
 double millionths_up(double half_width) { return std::max(0.0, std::ceil(half_width * 1e6 - 1e-6)); }
 double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
 
@@ -58,7 +59,7 @@ bool is_shaded_alike(const AccuracyBrdf& a, const AccuracyBrdf& b) {
 
 // `brdfs`: at least one, all with the same shading.
 std::string table(const std::vector<AccuracyRow>& rows, const std::vector<AccuracyBrdf>& brdfs) {
-  std::map<int, double> confidences;  // [level]: the same for all its rows
+  std::map<int, double> confidences;  // [level]: confidence of all rows of the level
   bool has_intervals = false;
   for (const AccuracyRow& row : rows) {
     confidences[row.level] = row.confidence;
@@ -141,7 +142,7 @@ std::string footprint_error_text(const std::vector<FootprintError>& errors) {
 }
 
 std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
-  std::vector<std::vector<AccuracyBrdf>> groups;  // BRDFs grouped by shading, in their order
+  std::vector<std::vector<AccuracyBrdf>> groups;  // BRDFs grouped by shading method, in the given order
   for (const AccuracyRow& row : rows) {
     auto group = std::find_if(groups.begin(), groups.end(),
                               [&](const auto& brdfs) { return is_shaded_alike(brdfs.front(), row.brdf); });

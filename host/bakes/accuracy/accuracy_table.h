@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts measured errors to text, for people and for the attribute multum:measuredError of baked files.
+// Converts measured errors to human-readable text and to the text of the attribute multum:measuredError of baked files.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,11 @@
 namespace multum {
 
 /// Errors of pixels, one line per BRDF: "  blinn-phong:100  9.10 +- 0.21 %; 95 % of pixels within 21.30 %; ...". Empty
-/// without errors.
+/// if there are no errors.
 std::string footprint_error_text(const std::vector<FootprintError>& errors);
 
-/// A line per level and a column per BRDF, with intervals if texels were sampled. There is a table for each way of
-/// shading, and further tables for rows with colours. Empty without rows.
+/// Formats a table with a line per level and a column per BRDF, with intervals if texels were sampled. There is a table
+/// for each way of shading, and further tables for rows with colours. Empty if there are no rows.
 std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 
 /// JSON array of [level, point, BRDF, error, half width of its 95 % interval], with six digits behind the point. Half
@@ -24,7 +24,7 @@ std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 std::string measured_error_json(const std::vector<AccuracyRow>& rows, const std::vector<FootprintError>& errors = {});
 
 struct StatedErrors {
-  std::vector<FootprintError> footprint_errors;  // empty if the program that wrote the file did not measure them
+  std::vector<FootprintError> footprint_errors;  // empty if the program that wrote the file measured none
   std::vector<AccuracyRow> rows;
 };
 /// Parses the output of measured_error_json(), and of earlier programs, which wrote no intervals. Rows have no sample

@@ -18,9 +18,9 @@ struct PowerProduct {
 };
 struct PowerPlan {
   std::vector<PowerProduct> products;  // power 1, 2, ...
-  std::vector<int> whole;              // [exponent]: number of its power; -1 if it is not an integer and takes pow()
+  std::vector<int> whole;              // [exponent]: number of its power; -1 if not an integer, which needs pow()
 };
-/// Integer exponents up to 1e6 become products; the relative error of t^s is that of s roundings.
+/// Integer exponents up to 1e6 become products; t^s then has the relative error of s roundings.
 PowerPlan plan_powers(const std::vector<double>& exponents);
 
 class BrdfRows {

@@ -15,8 +15,8 @@ namespace {
 // A row is summed in this many strips in parallel, which hides the latency of dependent additions.
 constexpr std::size_t kStrips = 4;
 
-// Columns of each strip except the last, which takes the rest. A strip has slightly less than a quarter of the columns,
-// because addresses a power of two apart share sets of the cache.
+// Returns the number of columns of each strip except the last, which has the remaining columns. A strip has slightly
+// less than a quarter of the columns, because addresses a power of two apart share sets of the cache.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
 // before[i] is the sum of the strip's columns before column i. Also returns the sums of whole strips.
@@ -84,7 +84,7 @@ std::vector<HorizontalLine> horizontal_lines(const Footprint& footprint, std::ui
 
 }  // namespace
 
-// C(x) = turns * (the row's sum) + sign * (the integral from 0 to texel + part).
+// C(x) = turns * (sum of the row) + sign * (integral from 0 to texel + part).
 struct FootprintAverages::End {
   double turns, sign;
   int texel;
@@ -121,8 +121,8 @@ void FootprintAverages::append_lines(std::uint32_t number, std::uint64_t seed, s
     const double in_map = (end.texel + end.part) - (begin.texel + begin.part);
     const auto row = static_cast<std::int64_t>(std::floor(y));
     const bool is_beyond = row < 0 || row >= map_height_;
-    // On a map that ends at its border, a pixel there averages only the surface under it. Beyond a black border there
-    // is a surface that reflects nothing.
+    // If a map ends at its border, a pixel there averages only the surface under it. If the border is black, the
+    // surface beyond it reflects nothing.
     if (is_beyond && wrap_t_ == WrapMode::kClamp) continue;
     area += thickness * (wrap_s_ == WrapMode::kClamp ? in_map : exit - entry);
     if (is_beyond && wrap_t_ == WrapMode::kBlack) continue;
@@ -164,7 +164,7 @@ void FootprintAverages::add_values(int y, const Value& value, double* before, do
   std::array<double, kStrips> upto_strip = {};
   for (std::size_t k = 1; k < kStrips; ++k) upto_strip[k] = upto_strip[k - 1] + strip_sums[k - 1];
   const double whole = upto_strip.back() + strip_sums.back();
-  // Integral over the columns before `texel` and over `part` of it.
+  // Integral over the columns before `texel` and over the fraction `part` of `texel`.
   const auto integral = [&](std::int32_t texel, float part) {
     const auto i = static_cast<std::size_t>(texel);
     const std::size_t k = (i >= strip ? 1u : 0u) + (i >= 2 * strip ? 1u : 0u) + (i >= 3 * strip ? 1u : 0u);

@@ -40,7 +40,8 @@ class FootprintAverages {
 
  private:
   // Part of a line in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
-  // end_part of that texel. The same integral for the begin is subtracted. The signs include the mirroring of rows.
+  // end_part of that texel. The corresponding integral for the begin is subtracted. The signs include the mirroring of
+  // rows.
   struct Line {
     std::uint32_t footprint;
     std::int32_t begin, end;
@@ -61,7 +62,7 @@ class FootprintAverages {
   const int map_width_, map_height_;
   const WrapMode wrap_s_, wrap_t_;
   std::vector<Line> lines_;
-  std::vector<std::size_t> line_begin_;  // [row]; a last entry ends the last range
+  std::vector<std::size_t> line_begin_;  // [row]; the last entry is the end of the last range
 };
 
 }  // namespace multum

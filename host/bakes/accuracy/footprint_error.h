@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the error that a bake states: the difference between pixels of pictures and their reference, over the
+// Computes the error that a bake states: the difference between rendered pixels and their reference, summed over the
 // footprints of host/bakes/accuracy/footprints.h (docs/contributing/ALGORITHMS.md, "Measured error").
 #pragma once
 
@@ -27,8 +27,8 @@ struct ErrorSum {
 };
 
 /// The denominator of relative errors: the reference, or at least a hundredth of the reflection of a white diffuse
-/// surface, 1/pi. The reference itself is almost 0 where no light or eye is near the highlight; errors relative to
-/// 1e-40 would mean nothing.
+/// surface, 1/pi. The reference itself is almost 0 if no light or view is near the highlight, and errors relative to
+/// 1e-40 have no meaning.
 class ErrorBase {
  public:
   explicit ErrorBase(const ErrorSum& all) : is_floor_(all.reference < kFloor * all.count) {}
@@ -47,7 +47,7 @@ struct FootprintError {
   // (Cochran 1977, section 6.11). A footprint with all its directions and channels is one draw.
   double confidence = 0.0;
   double percentile_95 = 0.0;  // 95th percentile of the errors of single footprints
-  int worst_octave = 0;        // k: the shorter side of footprints is 2^k to 2^(k+1) texels
+  int worst_octave = 0;        // octave k of footprints whose shorter side is 2^k to 2^(k+1) texels
   double worst_octave_error = 0.0;
   std::int64_t sample_count = 0;  // footprints
 };

@@ -22,8 +22,8 @@ std::vector<double> stratified(int count, SplitMix64& random) {
   return values;
 }
 
-// Returns one random point in each of `count` cells of equal area. Cells are about square and form rows; some rows
-// have one cell more, and the height of a row is proportional to its number of cells.
+// Returns one random point in each of `count` cells of equal area. Cells are about square and form rows. Some rows have
+// one more cell, and the height of a row is proportional to its number of cells.
 std::vector<glm::dvec2> spread_points(int count, double width, double height, SplitMix64& random) {
   const int rows = std::clamp(static_cast<int>(std::lround(std::sqrt(count * height / width))), 1, count);
   std::vector<glm::dvec2> points;
@@ -97,7 +97,7 @@ int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>&
   const int count = settings.filter.tap_count(longer, shorter);
   const int point_count = settings.filter.shades_taps ? count : 1;
   const auto coarsest = static_cast<double>(levels.size() - 1);
-  // Levels finer than the first are not used, as in a renderer that draws only stored levels.
+  // Levels finer than the first stored level are not used, as in a renderer that draws only stored levels.
   const double finest = std::min(static_cast<double>(settings.first_octave), coarsest);
   const double lambda = std::clamp(settings.filter.level(longer, shorter), finest, coarsest);
   const double map_width = levels.front().width, map_height = levels.front().height;

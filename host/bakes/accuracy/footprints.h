@@ -42,23 +42,23 @@ struct FootprintSettings {
 int footprint_octave_count(int map_width, int map_height);
 
 /// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own
-/// cell; the cells have equal areas and are about square. Each u and log2 e is random in its own interval of equal
-/// length, in random order; e is from 1 to settings.elongation_max.
+/// cell; the cells have equal areas and are about square. Each u and each log2 e is random within its own interval; the
+/// intervals have equal lengths and are in random order. e is from 1 to settings.elongation_max.
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings);
 
 /// A texel that a filter reads.
 struct FilterTap {
-  int point;  // number of the point that is shaded: 0 to the footprint's point count - 1
+  int point;  // index of the shaded point: 0 to the footprint's point count - 1
   int level, texel;
   double weight;
 };
-/// Appends the texels that the filter reads for a footprint. Returns the number of points that it shades; the
-/// footprint's value is their mean. The weights of a point sum to 1, or less where part of the point is on a black
+/// Appends the texels that the filter reads for a footprint. Returns the number of shaded points; the mean of their
+/// values is the footprint's value. The weights of a point sum to 1, or less where part of the point is on a black
 /// border.
 int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
                        const FootprintSettings& settings, std::vector<FilterTap>& taps);
 
-/// Wraps any index i to 0..count - 1; -1: beyond a black border.
+/// Wraps any index i to 0..count - 1. Returns -1 beyond a black border.
 int wrapped_index(std::int64_t i, int count, WrapMode mode);
 
 }  // namespace multum

@@ -15,7 +15,7 @@ struct Highlight {
   Brdf brdf;        // the BRDF that is shaded
   MultumHighlight shaded;
 };
-/// Makes a highlight. GGX and measured BRDFs are fitted, which takes 10 to 100 ms: make a highlight once and share it.
+/// Makes a highlight. A fit of GGX or of a measured BRDF takes 10 to 100 ms, so make a highlight once and share it.
 Highlight make_highlight(const AccuracyBrdf& id, const Brdf& brdf);
 
 Highlight blinn_phong_highlight(double exponent);
@@ -23,7 +23,8 @@ Highlight blinn_phong_highlight(double exponent);
 /// Mean of f's channels at e = 1 - n.h.
 double grey_density(const Brdf& brdf, double e);
 
-/// The highlight as kernels shade it: Blinn-Phong exactly, other BRDFs as in the runtime (runtime_gl/shaders/brdf).
+/// Converts the highlight to the form that kernels shade: Blinn-Phong exactly, other BRDFs as in the runtime
+/// (runtime_gl/shaders/brdf).
 MultumHighlight shaded_highlight(const Brdf& brdf);
 MultumHighlight shaded_highlight(double exponent);
 

@@ -22,13 +22,13 @@ class KeptTexels {
   int first_level() const { return first_level_; }
   std::size_t count() const { return texels_.slot_count() - first_slot_; }
   bool is_stored(std::size_t slot) const { return slot >= first_slot_; }
-  /// Entry of a stored slot.
+  /// Returns the entry of a stored slot.
   std::size_t entry(std::size_t slot) const { return slot - first_slot_; }
   /// True if every texel was added.
   bool is_complete() const { return missing_count_ == 0; }
 
   /// Calls keep(entry, texel) for the kept texels of these rows; `texel` counts from the first texel of the first row.
-  /// Each row may come once.
+  /// Add each row only once.
   template <typename Level, typename Keep>
   void take_rows(int level, int first_row, const Level& rows, const Keep& keep) {
     const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMomentPointsPerBand = 4096;
 
-// Sums over taps. From stored texels: normal, share, five moments and colour. From the normal map: normal, share and
+// Sums over taps. Stored texels give normal, share, five moments and colour. The normal map gives normal, share and
 // colour.
 enum MomentSum : std::size_t {
   kNormal = 0,

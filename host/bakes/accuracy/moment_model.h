@@ -26,9 +26,9 @@ class MomentModel : public AccuracyModel {
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Moments at points, filtered as hardware does. Colours in `channel`, unless it is -1, multiply the share, because
-  /// shading is linear in the share. At points between a stored level and a level of the normal map, each side has its
-  /// own colour.
+  /// Moments at points, filtered as hardware does. The share is multiplied by the colours in `channel` unless `channel`
+  /// is -1, because shading is linear in the share. At points between a stored level and a level of the normal map,
+  /// each side has its own colour.
   std::vector<MultumFilteredMoments> filtered(const PointTaps& points, int channel, int threads) const;
 
  private:

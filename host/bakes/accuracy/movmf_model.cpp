@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// The Gaussian of a mean normal, as a renderer makes it that has no other data: E[x^2 + y^2] = 1 - E[z^2],
+// Returns the Gaussian of a mean normal, as computed by a renderer that has no other data: E[x^2 + y^2] = 1 - E[z^2],
 // approximated by 1 minus the square of the mean.
 glm::dvec4 as_gaussian(const glm::dvec4& mean) {
   return {mean.x, mean.y, mean.w > 0.0 ? mean.w - mean.z * mean.z / mean.w : 0.0, mean.w};
@@ -45,7 +45,7 @@ void MovmfModel::add_rows(int level, int first_row, const MovmfLevel& rows) {
 
 // Adds weight * (a r, a) of each lobe and, for a channel, weight * a y.
 void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const {
-  if (!kept().is_stored(slot)) {  // not stored: a lobe of amplitude 1, after the others
+  if (!kept().is_stored(slot)) {  // a texel that is not stored is a lobe of amplitude 1, after the other lobes
     const glm::dvec3 normal(map_averages().at(slot, 0), map_averages().at(slot, 1), map_averages().at(slot, 2));
     lobes[lobe_count_] += weight * glm::dvec4(normal, 1.0);
     if (channel >= 0) colours[lobe_count_] += weight * map_averages().at(slot, 3 + static_cast<std::size_t>(channel));
@@ -58,7 +58,7 @@ void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec
   }
 }
 
-// Shading is linear in (a r, a), so multiplying a lobe by T(a y) / T(a) shades to T(a y) times its shape.
+// Shading is linear in (a r, a), so a lobe that is multiplied by T(a y) / T(a) shades to T(a y) times the lobe's shape.
 std::vector<glm::vec4> MovmfModel::filtered_lobes(const PointTaps& points, int channel, int threads) const {
   constexpr int kPointsPerBand = 4096;
   MULTUM_CHECK(is_complete());

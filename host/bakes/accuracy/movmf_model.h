@@ -28,11 +28,13 @@ class MovmfModel : public AccuracyModel {
   bool has_colours() const override { return !colours_.empty(); }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
-  /// Lobes per filtered point: the lobes of the file, then one for the map's averages if levels are missing.
+  /// Number of lobes per filtered point: the lobes of the file, then one lobe for the map's averages if levels are
+  /// missing.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   const ProgramChoice& program() const { return program_; }
 
-  /// lobes[point][lobe], filtered as hardware does; multiplied by their colours in `channel` unless it is -1.
+  /// lobes[point][lobe], filtered as hardware does, and multiplied by their colours in `channel` unless `channel` is
+  /// -1.
   std::vector<glm::vec4> filtered_lobes(const PointTaps& points, int channel, int threads) const;
 
  private:

@@ -28,14 +28,14 @@ class TexelAverages {
   /// Number of values of a row of the plane, followed by the sums of its blocks.
   std::size_t row_length() const { return blocks_.node_count(); }
   /// Adds row y of the plane, row[0..width), to sums[slot * stride] and overwrites the rest of `row`. Sums begin as 0;
-  /// rows come from the top, each once.
+  /// add each row once, from the top.
   void add_row(int y, double* row, double* sums, std::size_t stride) const;
   /// Factor that converts the sums of a level's slots to averages.
   double share(int level) const;
 
  private:
   struct Level {
-    std::vector<std::uint32_t> tap_begin;  // [column]; a last entry ends the last range; empty if no texel is selected
+    std::vector<std::uint32_t> tap_begin;  // [column] and the end of the last range; empty if no texel is selected
     std::vector<RowBlocks::Tap> taps;
   };
   Level make_level(int width) const;

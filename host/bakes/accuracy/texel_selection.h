@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers selected texels of each level of a pyramid. The slot of a texel is its number: level by level, row by row,
-// left to right. Data of the selected texels is therefore a plain array.
+// left to right. The data of selected texels is therefore a plain array.
 #pragma once
 
 #include <cstddef>
@@ -29,8 +29,8 @@ class TexelSelection {
 
  private:
   std::vector<PlaneSize> sizes_;
-  std::vector<std::size_t> level_row_;  // [level]: number of its first row among the rows of all levels
-  std::vector<std::size_t> row_begin_;  // [row of all levels]: its first slot; a last entry ends the last range
+  std::vector<std::size_t> level_row_;  // [level]: index of the level's first row among the rows of all levels
+  std::vector<std::size_t> row_begin_;  // [row of all levels]: its first slot; the last entry ends the last range
   std::vector<int> columns_;            // [slot]
 };
 

@@ -51,7 +51,7 @@ class MomentPlanes : public AveragedPlanes {
   MomentPlanes(Device& device, const AverageInputs& inputs, MomentSink& sink)
       : inputs_(inputs), sink_(sink), finest_(device.kernel("moments", "moment_finest", {1, 1, false})) {}
 
-  /// Number of normals that are closer to the horizon than slopes can express.
+  /// Number of normals that are too close to the horizon for slopes.
   std::uint64_t limited() const { return limited_; }
 
   std::string name() const override { return "moments"; }

@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Takes finished rows: the rows of a level in order from the top, the levels in any order.
+/// Receives finished rows: the rows of a level in order from the top, the levels in any order.
 class MomentSink {
  public:
   virtual ~MomentSink() = default;

@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Takes finished rows: the rows of a level in order from the top, the levels in any order.
+/// Receives finished rows: the rows of a level in order from the top, the levels in any order.
 class ShSink {
  public:
   virtual ~ShSink() = default;

@@ -14,8 +14,8 @@ namespace multum {
 /// A single map without `<UDIM>` gives `pattern` with its input. With several maps, pattern.output (and pattern.report,
 /// if set) is either an existing folder or contains `<UDIM>`. Files in a folder are named after the maps. If the output
 /// contains `<UDIM>`, every input must contain it. `<UDIM>` in the names of material maps is replaced by the map's
-/// tile. Throws Error(kUsage) for names that do not fit together or that two maps would share, and Error(kInput) for a
-/// set without tiles.
+/// tile. Throws Error(kUsage) for names that contradict each other or that two maps would share, and Error(kInput) for
+/// a set without tiles.
 std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<std::string>& inputs);
 
 }  // namespace multum

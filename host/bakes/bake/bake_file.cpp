@@ -38,16 +38,16 @@ void report_counts(const DeviceCounts& counts, Device& device, BakeReport& repor
   report.device_bytes_peak = device.buffer_bytes_peak();
 }
 
-// Memory of the process for any map: the program, the OpenCL driver with its compiler, and the rows that wait to be
-// rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
+// Memory of the process for a map of any size: the program, the OpenCL driver with its compiler, and rows that wait to
+// be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
-constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // above the minimum, on small machines
+constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // memory above the minimum on small machines
 
-// The default is 5/32 of the machine's memory: a quarter less the 3/32 that three maps may take
-// (host/bakes/bake/bake_source.cpp). In a small container, where that is too little, it is the bake's minimum plus
-// kRoomy, up to seven eighths. Many of the program's own bytes belong to libraries, which the system can drop: with
-// 400 MB, maps of 4096 x 4096 were baked.
+// The default is 5/32 of the machine's memory: a quarter, minus 3/32 for up to three maps
+// (host/bakes/bake/bake_source.cpp). In a small container, this share is too small. The default is then the bake's
+// minimum plus kRoomy, up to seven eighths of the memory. The system can drop many of the program's own pages, which
+// belong to libraries: maps of 4096 x 4096 were baked with 400 MB.
 std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)
@@ -85,8 +85,8 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
-// Returns the map as share 0 has decoded it. Returns nullopt if share 0 is missing or damaged: GatheredRows then lists
-// the missing shares, and if none is missing, the map is read.
+// Returns the map that share 0 has decoded. Returns nullopt if share 0 is missing or damaged. GatheredRows then lists
+// the missing shares; if no share is missing, the map is read.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {
     return read_shard_source(job, key);
@@ -157,7 +157,7 @@ BakeReport unchanged_report(const BakeJob& job) {
 }
 
 BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
-  const std::uint64_t memory_bytes = window_bytes(asked);  // reports too little memory first
+  const std::uint64_t memory_bytes = window_bytes(asked);  // reports a lack of memory first
   check_job(asked);
   if (asked.shard && asked.shard->index > 0) take_share_hashes(asked);
   const std::string asked_settings = all_settings_json(asked);

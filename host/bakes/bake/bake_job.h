@@ -30,32 +30,33 @@ struct BakeJob {
   std::string output;               // *.ndf.exr
   std::string report;               // JSON file; empty: none
   NormalMapSettings reading;
-  MapSurface surface = MapSurface::kTexels;  // kInterpolated: only for levels from 1 on; level 0 is the map
+  MapSurface surface = MapSurface::kTexels;  // kInterpolated is only for levels from 1 on, because level 0 is the map
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // order of spherical harmonics, 1..20
-  MovmfSettings fitting;  // settings of lobes; the first level applies to every representation
+  MovmfSettings fitting;  // settings of lobes; their first level applies to every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of the written file
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s; Lambert is always measured
-  std::vector<Highlight> highlights;                              // also measured, for the report only
+  std::vector<Highlight> highlights;                              // further highlights, measured for the report
   bool measure_levels = true;                                     // measure single levels, in addition to pixels
   std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty: none
   bool stored_only = false;        // levels finer than the first stored one are never seen nor measured
   bool force = false;              // bake even if the output has the same file and settings
   std::uint64_t memory_bytes = 0;  // limit of resident memory; 0: a quarter of the machine's memory
-  std::string scratch_folder;      // for data that does not fit into memory; empty: the output's folder
+  std::string scratch_folder;      // folder for data that does not fit into memory; empty: the output's folder
   bool resume = false;             // continue a killed bake of the same output
   // Lobes only: fit one process's share of the map, to a file next to the output (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
   int merged_shards = 0;  // number of finished shares to merge into the output; 0: fit all
-  // If not empty: the file, baked before an edit, that gets a newly fitted region of the map. Without `region`, it is
-  // the part that has changed.
+  // If not empty, the file that was baked before an edit and receives a newly fitted region of the map. Without
+  // `region`, the changed part is fitted.
   std::string onto;
   std::optional<MapRegion> region;
   int threads = 2;  // number of threads for loops on the host
-  // Shared by consecutive bakes of one map on one device: a start that was found is not searched again, and the report
-  // states the time that the search would have taken (FitReport::start_remembered). Null: each bake searches its own.
+  // Shared by consecutive bakes of one map on one device: a start that was found is reused, and the report
+  // states the time that the search would have taken (FitReport::start_remembered). If null, each bake searches for its
+  // own start.
   std::shared_ptr<StartMemory> starts;
   // Hashes of the input files. Copies of a job share them, so that each file is hashed once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
@@ -67,8 +68,8 @@ constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::r
 /// Parses BakeJob::roughness, which must not be empty.
 ChannelFile roughness_file(const BakeJob& job);
 
-/// The finest level whose error is measured. Finer levels are never seen, or are the normal map's own texels instead
-/// of points of the surface.
+/// The finest level whose error is measured. Finer levels are never seen, or contain the normal map's own texels
+/// instead of points of the surface.
 int first_measured_level(const BakeJob& job);
 
 /// BakeJob::memory_bytes for a command whose --memory covers only maps and buffers: adds the program and the OpenCL

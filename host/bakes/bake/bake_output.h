@@ -11,8 +11,8 @@ namespace multum {
 
 class BakeOutput : public MovmfSink {
  public:
-  /// `header`: of the file; `meter`: null if nothing is measured. Fills OutputReport::unrepresentable and the times of
-  /// rounding and writing.
+  /// `header` is the header of the file; `meter` is null if nothing is measured. Fills OutputReport::unrepresentable
+  /// and the times of rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 
@@ -23,7 +23,7 @@ class BakeOutput : public MovmfSink {
   /// Rounds fitted rows for storage, and counts lobes that are too sharp for the encoding.
   void round(MovmfLevel& rows);
   void round(MovmfFinest& rows);
-  /// Writes rounded rows of a level, or of level 0, in order.
+  /// Writes rounded rows of a level (or of level 0) in order.
   void write(int level, int first_row, MovmfLevel rows);
   void write(int first_row, MovmfFinest rows);
 

@@ -25,9 +25,9 @@ struct StageTime {
 /// Times and counts of rounding rows and passing them to the writer during the fit.
 struct OutputReport {
   double round_seconds = 0.0;
-  double write_wait_seconds = 0.0;  // waiting for the thread that compresses and writes
-  // Lobes of levels coarser than 0 whose spread the encoding cannot store, and the share of those levels' normals that
-  // they represent (host/formats/asset/lobes/movmf_mipmap.h, SharpLobes).
+  double write_wait_seconds = 0.0;  // time spent waiting for the thread that compresses and writes
+  // Lobes of levels coarser than 0 with a spread that the encoding cannot store, and the share of normals in these
+  // lobes (host/formats/asset/lobes/movmf_mipmap.h, SharpLobes).
   std::uint64_t unrepresentable = 0;
   double unrepresentable_amplitude = 0.0;
   double unrepresentable_share = 0.0;
@@ -37,7 +37,7 @@ struct BakeReport {
   std::string source;
   int first_level = 0;       // the finest stored level
   bool stored_only = false;  // finer levels are never seen
-  std::string shard;         // file of the only share that was baked; empty: all was baked
+  std::string shard;         // file of the share, if only one share was baked; else empty
   bool unchanged = false;    // the output existed already; all other fields are meaningless
   std::string device;
   std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had finished
@@ -49,14 +49,14 @@ struct BakeReport {
   AverageReport average;  // for moments and harmonics
   OutputReport output;
   std::map<std::string, std::uint64_t> launches;  // by kernel
-  std::map<std::string, double> launch_seconds;   // device time by kernel, if launches were timed (--runstats)
+  std::map<std::string, double> launch_seconds;   // device time per kernel, if launches were timed (--runstats)
   TransferCounts transfers;                       // copies between host and device
   std::uint64_t device_bytes_peak = 0;            // largest total of device buffers
   std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
   std::vector<AccuracyRow> accuracy;
   std::vector<FootprintError> error;    // pixel errors for each BRDF of `accuracy`
-  std::string choice;                   // reasons for chosen settings, a line each; else empty
-  std::optional<double> picture_error;  // relative L1 of a picture of the chosen settings, if drawn
+  std::string choice;                   // reasons for chosen settings, one per line; empty if no settings were chosen
+  std::optional<double> picture_error;  // relative L1 error of a picture with the chosen settings, if it was drawn
 
   /// Plan of bands and levels, of the fit or of the averages.
   const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }

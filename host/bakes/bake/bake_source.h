@@ -17,17 +17,18 @@
 
 namespace multum {
 
-/// Number of times that a job reads its maps: maps that it reads many times stay in memory up to a larger size.
+/// States whether a job reads its maps a few times or many times. Maps that are read many times stay in memory up to a
+/// larger size.
 enum class MapReadings { kFew, kMany };
 
 struct BakeSource {
   NormalMapRows map;
-  std::optional<PlaneStore> albedo;                         // if the job has one
+  std::optional<PlaneStore> albedo;                         // albedo, if the job has one
   std::optional<WeightMap> weights;                         // the same
   double mean_cosine = 1.0;                                 // mean cosine of the roughness map
   std::optional<RoughnessReport> roughness = std::nullopt;  // report about the roughness file
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
-  std::vector<std::string> map_warnings = {};               // about albedo and weights, with the file's name
+  std::vector<std::string> map_warnings = {};               // warnings about albedo and weights, which name the file
   std::string albedo_format = {};                           // ColourRows::format
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
@@ -41,7 +42,7 @@ std::string scratch_folder(const BakeJob& job);
 /// Header of files that are baked from the source, without their provenance.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
-/// BakedProvenance::reading: properties that were found in the files, and assumptions in case of doubt.
+/// BakedProvenance::reading: properties found in the files, and assumptions about unclear properties.
 std::string reading_json(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for unusable files.

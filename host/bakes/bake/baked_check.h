@@ -27,9 +27,9 @@ BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progre
 /// The largest pixel error of all BRDFs; nullopt if there is none.
 std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
-/// Names the error that exceeds the error in `stated` by most, beyond rounding, or that is not stated at all; empty if
-/// there is none. Errors of pixels come before errors of levels. Files of earlier programs state no pixel errors;
-/// these are then not compared.
+/// Names the error that exceeds its value in `stated` by most, or that `stated` lacks. Rounding is ignored. Empty if
+/// there is no such error. Errors of pixels come before errors of levels. Pixel errors are not compared for files of
+/// earlier programs, which state none.
 std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated);
 
 }  // namespace multum

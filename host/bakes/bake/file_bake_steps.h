@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// A sink for plain averages: rounds rows for storage, passes them to the measurement, if any, and writes them.
+/// A sink for plain averages. Rounds rows for storage, passes them to the measurement if there is one, and writes them.
 template <typename Sink, typename Level, typename Writer, typename Meter>
 class RoundingSink : public Sink {
  public:

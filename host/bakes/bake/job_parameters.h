@@ -16,7 +16,7 @@ namespace multum {
 /// Makes values of bake_parameters(): bake_values({{"ndf", "vmf"}, {"lobes", 3}}).
 ParameterValues bake_values(std::initializer_list<std::pair<const char*, ParameterValue>> values = {});
 
-/// Replaces the job's values by those that are given. Without a given storage encoding, takes the representation's
+/// Replaces the job's values by the given values. If no storage encoding is given, uses the representation's
 /// default.
 void apply(const ParameterValues& values, BakeJob& job);
 

@@ -31,7 +31,7 @@ constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
   double texels = 0.0;
-  // Level 0 contains only single directions.
+  // Lobes of level 0 are single directions.
   for (std::size_t l = static_cast<std::size_t>(std::max(1, header.header.first_level)); l < header.levels.size(); ++l)
     texels += static_cast<double>(header.levels[l].width) * header.levels[l].height;
   if (texels > 0.0) report.unrepresentable_share = report.unrepresentable_amplitude / texels;
@@ -50,11 +50,12 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
                       : advice("; <data_format float> keeps them")));
 }
 
-// Maps up to this size do not keep the rows of the finest fitted level, which has three quarters of all rows, unless
-// the bake is resumed. The fit of such maps takes some seconds, and writing the rows would take a fifth of that time.
+// Bakes of maps up to this size do not keep the rows of the finest fitted level, unless the bake is resumed. That level
+// has three quarters of all rows. The fit of such maps takes some seconds, and writing the rows would take a fifth of
+// that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
-// Rows of tiles that the writer holds: of the fitted level, and of level 0 together with level 1.
+// Bytes of the tile rows that the writer holds: of the fitted level, and of level 0 together with level 1.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);

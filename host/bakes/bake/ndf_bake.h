@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the bakes of the representations: a row (NdfBake) holds the steps of a bake from file to file
-// (host/bakes/bake/bake_file.h) that differ between representations.
+// Lists the bakes of the representations. A row (NdfBake) holds the steps that differ between representations, for a
+// bake from file to file (host/bakes/bake/bake_file.h).
 #pragma once
 
 #include <memory>
@@ -66,8 +66,8 @@ struct NdfBake {
   /// Bakes, measures if the job asks for it, and writes JOB.output. Fills `report`, except for fields common to all
   /// bakes.
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
-  /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has read all rows. For maps that fit
-  /// into memory. The bake's time is the report's stage "fit" or "average".
+  /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has read all rows. Works for maps that
+  /// fit into memory. Reports the bake's time as stage "fit" or "average".
   std::unique_ptr<AccuracyMeter> (*try_bake)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                              Progress* progress);
   /// Verifies JOB.output. Throws Error(kInput) if it cannot be read. Progress: one unit per row.
@@ -83,7 +83,7 @@ std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const Bak
 
 // The rows of the list, each in its own file: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;
-extern const NdfBake kGmmBake;  // movmf_file_bake.cpp: another family of lobes
+extern const NdfBake kGmmBake;  // in movmf_file_bake.cpp, for another family of lobes
 extern const NdfBake kMomentBake;
 extern const NdfBake kShBake;
 

@@ -24,7 +24,7 @@
 namespace multum {
 namespace {
 
-// Formats a float as a person gave it: 0.01, which JSON holds as 0.00999999977.
+// Formats a float with the fewest digits: 0.01, which JSON holds as 0.00999999977.
 std::string shown(const nlohmann::json& json, const std::string& key) {
   const auto found = json.find(key);
   if (found == json.end()) return "not stated";
@@ -97,7 +97,7 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Omitted otherwise: files of programs without this setting keep their hash.
+  // Otherwise omitted, so that files of programs without this setting keep their hash.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
@@ -111,7 +111,7 @@ std::string all_settings_json(const BakeJob& job) {
   }
   if (!job.onto.empty()) {
     if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
-    else json["region"] = "auto";  // until the region is known
+    else json["region"] = "auto";  // until the region is computed
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;

@@ -16,7 +16,7 @@ namespace multum {
 /// map that repeats is filtered across its border, so its lobes must match there.
 MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wrap_t);
 
-/// Every setting that changes the file: settings of reading and fitting, hashes of the material maps, and the kernels.
+/// Every setting that changes the file: settings for reading and fitting, hashes of the material maps, and the kernels.
 /// Throws Error(kInput) if one of the maps cannot be read.
 std::string all_settings_json(const BakeJob& job);
 
@@ -34,7 +34,7 @@ enum class OutputFinding {
 struct OutputState {
   OutputFinding finding;
   std::string why;      // reason for kUnreadable and kStale
-  StatedErrors stated;  // errors in the header of an existing, measured file
+  StatedErrors stated;  // errors stated in the header of an existing, measured file
 };
 
 /// `settings`: all_settings_json(job). Throws Error(kInput) if an output exists, but the map cannot be read for

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes an edited part of a map onto the file that was baked before the edit. The part's texels on every level, and a
-// few around them, are fitted again, each from its parent and next to the old file's texels. All other texels keep the
-// old file's values.
+// few around them, are fitted again, each from its parent and with the old file's texels as neighbours. All other
+// texels keep the old file's values.
 //
 // This is an approximation. The coarsest texel starts from its old lobes, not from the whole map's candidates, and
 // texels around the region keep their values (docs/contributing/ALGORITHMS.md, "Baking a region again").

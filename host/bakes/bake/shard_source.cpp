@@ -27,9 +27,9 @@ namespace {
 
 using NoteJson = nlohmann::json;  // member types that NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE supports
 
-// Map rows use negative level numbers: -1 for the planes of normals, one after the other; -2 and below for features,
-// in rows of three planes. Normals are split into blocks that fit into a record for any width of the map, and are read
-// in place.
+// Map rows use negative level numbers: -1 for the planes of normals, one plane after another; -2 and below for
+// features, in rows of three planes. Normals are split into blocks that fit into a record for any width of the map, and
+// are read in place.
 constexpr int kNormalsLevel = -1;
 constexpr int level_of_feature(std::size_t store) { return kNormalsLevel - static_cast<int>(store); }
 constexpr int kPlaneRows = 32, kFeatureRows = kPlaneRows / 3;
@@ -156,7 +156,7 @@ void take_share_hashes(const BakeJob& job) {
     RowRecords rows;
     note = NoteJson::parse(ShareFile(job.output, {0, job.shard->count}, nullptr, rows).note(), nullptr, false);
   } catch (const Error&) {
-    return;  // code that needs the share reports this
+    return;  // the code that needs the share reports the error
   }
   if (!note.is_object() || !note.contains("files")) return;
   const std::vector<std::string> files = input_files(job);
@@ -174,7 +174,7 @@ void take_share_hashes(const BakeJob& job) {
 BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   RowRecords rows;
   const ShareFile share(job.output, {0, share_count(job)}, &key, rows);
-  // A merge reads all rows of features, a band few.
+  // A merge reads all rows of features; a band reads few.
   const SpillPolicy spill = {scratch_folder(job),
                              job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
   std::optional<BakeSource> source;

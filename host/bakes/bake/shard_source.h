@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// Properties of the map that other processes need: sizes, features, findings about its files, and their hashes. One
-/// line of JSON.
+/// Writes the properties of the map that other processes need, in one line of JSON: sizes, features, and findings about
+/// its files with their hashes.
 std::string shard_note(const BakeJob& job, const BakeSource& source);
 
 /// Writes the planes of the map, then those of its features, before any other rows of the share.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads maps one by one, each on top of [defaults]. Compares them only afterwards: an output must belong to one map,
-// whichever comes first.
+// Reads maps one by one, each on top of [defaults]. Compares all maps afterwards, because an output must belong to only
+// one map.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <fmt/format.h>
@@ -81,7 +81,7 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
   return target;
 }
 
-// Reports, with the line, names that make_bake_jobs() would refuse or misread.
+// Reports names that make_bake_jobs() would reject or misread, with their line.
 void check_paths(const StrictTable& table, const BakeJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
@@ -152,7 +152,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
 
 // Compares names through a map, not pair by pair as check_paths_differ() does: a manifest may list thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> inputs, outputs;  // canonical name -> its use
+  std::map<std::string, std::string> inputs, outputs;  // use of each canonical name
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
       for (const std::string& input : input_files(map.job))
@@ -180,7 +180,7 @@ std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJ
   ParameterValues defaults(bake_parameters());
   const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);
   read_values(of_all, defaults);
-  target_of(of_all, path, defaults);  // reports errors of [defaults] here
+  target_of(of_all, path, defaults);  // reports errors in [defaults]
   std::vector<ManifestEntry> entries;
   for (const toml::table* toml : table.tables("map")) entries.push_back(read_entry(path, *toml, defaults, pattern));
   check_apart(entries);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the list of a project's maps, how each is baked and how large its error may be. A build pipeline keeps these
-// maps up to date.
+// Reads the list of a project's maps, with the settings and the largest allowed error of each. A build pipeline keeps
+// these maps up to date.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 namespace multum {
 
 struct ManifestMap {
-  std::string name;  // the output's name in the manifest, with the tile if it is one of a set
+  std::string name;  // the output's name in the manifest, with the tile number if the map is a tile of a set
   BakeJob job;
   std::optional<double> error_max;   // the largest allowed error, relative L1, above 0
-  std::optional<BakeTarget> target;  // settings are chosen for this
+  std::optional<BakeTarget> target;  // target for which settings are chosen
 };
 
 /// Reads and validates a manifest; each map's job is `pattern` with the manifest's values. A set gives one map per

@@ -92,7 +92,7 @@ std::size_t count_of(const ManifestOutcome& outcome, MapState state) {
                                                 [&](const MapResult& result) { return result.state == state; }));
 }
 
-// Counts maps by state: "1 stale, 1 worse"; only states that are in place, or only the others.
+// Counts maps by state: "1 stale, 1 worse"; counts either the states that are in place or the other states.
 std::string counts(const ManifestOutcome& outcome, bool in_place) {
   std::vector<std::string> parts;
   for (int s = 0; s < kMapStateCount; ++s) {

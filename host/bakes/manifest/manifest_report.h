@@ -23,7 +23,7 @@ std::string manifest_verdict(const ManifestOutcome& outcome);
 std::string manifest_failures(const ManifestOutcome& outcome);
 
 /// A test suite with one test case per map: <failure> for findings of a check (missing, stale, damaged, worse),
-/// <error> for maps that failed, about which nothing is known.
+/// <error> for maps that failed and therefore have an unknown state.
 std::string manifest_junit(const ManifestOutcome& outcome);
 
 /// The verdict, a table with a row per map, and the reasons for maps that are not in place.

@@ -77,8 +77,8 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
   if (result.report) result.error = worst_error(result.report->error);
 }
 
-// Does everything that a bake does before it fits. Throws the errors of the bake. If the bake would make the output
-// folder, the nearest existing folder above is checked instead.
+// Does all steps of a bake before the fit, and throws the same errors. If the bake would create the output folder,
+// checks the nearest existing parent folder instead.
 void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   BakeJob job = map.job;
   fs::path folder = fs::absolute(fs::path(job.output)).parent_path();
@@ -90,13 +90,13 @@ void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
 }
 
-// If a map's bake is refused, reporting only "missing" would mislead: baking would not help.
+// If a map cannot be baked, a report of only "missing" would mislead, because a bake would fail.
 [[noreturn]] void rethrow_with_finding(const Error& error, const MapResult& result) {
   if (result.why.empty()) throw error;
   throw Error(error.code(), fmt::format("{}, and cannot be baked: {}", result.why, error.what()));
 }
 
-// For a file that stays without a check, the error stated in its header counts.
+// For a file that is neither baked nor checked, compares the error stated in its header.
 void hold_to_allowed(MapResult& result) {
   const std::optional<double> error =
       result.error || result.state != MapState::kUnchanged ? result.error : result.stated;

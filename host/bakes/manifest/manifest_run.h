@@ -17,12 +17,12 @@ namespace multum {
 
 /// State in which a map was found; docs/reference/manifests.md describes each.
 enum class MapState {
-  kUnchanged,  // in place; in a check: also undamaged, and no worse than stated and allowed
-  kBaked,      // baked in this run; a check reports the reason as one of the states below
-  kMissing,    // only in checks, as the next two
+  kUnchanged,  // in place; a check also found no damage, and no error above the stated and allowed errors
+  kBaked,      // baked in this run; a check instead reports one of the states below
+  kMissing,    // only in checks, like the next two states
   kStale,
   kDamaged,
-  kWorse,   // in place or just baked, but worse than it states or than error_max allows
+  kWorse,   // in place or just baked, but with an error above the stated error or error_max
   kFailed,  // could not be read or baked; nothing is known about it
 };
 constexpr int kMapStateCount = 7;
@@ -33,9 +33,9 @@ struct MapResult {
   std::string name;
   MapState state = MapState::kUnchanged;
   std::string why;                   // for every state except kUnchanged and kBaked
-  std::optional<BakeReport> report;  // set: the file was written in this run
-  // The largest relative L1 error: measured in this run; stated by the header of the existing file; allowed by the
-  // manifest.
+  std::optional<BakeReport> report;  // set if the file was written in this run
+  // The largest relative L1 error: `error` was measured in this run, `stated` is from the header of the existing file,
+  // `allowed` from the manifest.
   std::optional<double> error, stated, allowed;
   double seconds = 0.0;
   std::uint64_t bytes = 0;                // size of the file; 0 if it does not exist
@@ -44,7 +44,7 @@ struct MapResult {
 
 struct ManifestRunSettings {
   bool check = false;    // verify and measure existing files; missing and stale files are findings
-  bool dry_run = false;  // checks only: bake nothing, but read the inputs of needed bakes
+  bool dry_run = false;  // bake nothing, but check that needed bakes can read their inputs
 };
 
 /// Throws Cancelled, and Error if the map cannot be read or baked.

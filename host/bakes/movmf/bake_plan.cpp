@@ -11,7 +11,7 @@ namespace multum {
 namespace {
 
 constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
-constexpr int kBandRowsWanted = 8;  // fewer rows leave too little work for many threads: then more memory is used
+constexpr int kBandRowsWanted = 8;  // fewer rows give many threads too little work, so more memory is used
 
 // The memory for windows, and where its limit comes from.
 struct WindowMemory {
@@ -26,7 +26,7 @@ struct WindowMemory {
                           static_cast<double>(wanted) / (1 << 20), what));
 }
 
-// Chooses the most rows whose bytes are useful; up to kBandRowsWanted rows only need to fit.
+// Chooses as many rows as fit into the useful memory; up to kBandRowsWanted rows only need to fit into the limit.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {

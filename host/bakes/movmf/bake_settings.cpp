@@ -32,7 +32,7 @@ constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
                              {"start_kappa_factor", &MovmfSettings::start_kappa_factor},
                              {"start_amplitude_min", &MovmfSettings::start_amplitude_min}};
 
-// Boolean members, and the value that giving the option sets.
+// Boolean members, and the value that each option sets.
 struct Flag {
   const char* name;
   bool MovmfSettings::*member;
@@ -59,7 +59,7 @@ void take(const ParameterValues& values, const char* name, float& value) {
 }  // namespace
 
 void apply(const ParameterValues& values, MovmfSettings& settings) {
-  // Applies presets first, so that other given values override them.
+  // Applies presets first, so that other given values override the presets.
   if (values.flag("reference")) make_reference(settings);
   if (values.flag("unaligned")) make_unaligned(settings);
   for (const Field& field : kFields)
@@ -121,7 +121,7 @@ std::string settings_json(const MovmfSettings& s) {
   json[hashed_as("no_start_search")] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json[hashed_as("unaligned")] = s.aligned_start;
-  // Omitted otherwise: files of programs without these settings keep their hash.
+  // Otherwise omitted, so that files of programs without these settings keep their hash.
   if (s.refine) json[hashed_as("refine")] = true;
   if (s.farthest_start) json[hashed_as("farthest_start")] = true;
   return json.dump();

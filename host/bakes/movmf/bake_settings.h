@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the settings for fitting lobes. Rows of bake_parameters() define their ranges, and their names for people and
-// for the settings hash. The bake validates them once.
+// Holds the settings for fitting lobes. Rows of bake_parameters() define the ranges, the displayed names and the names
+// in the settings hash. The bake validates them once.
 #pragma once
 
 #include <string>
@@ -20,35 +20,38 @@ struct MovmfSettings {
   Representation representation = Representation::kMovmf;  // type of lobe
   int lobe_count = 4;                                      // 1..8
   int iteration_count = 12;                                // maximum of EM iterations per texel, 1..1000
-  // For texels that cover more than kSamplesUnchunkedMax normals: every finer level inherits their errors.
+  // For texels that cover more than kSamplesUnchunkedMax normals, because every finer level inherits the errors of
+  // these texels.
   int iteration_count_coarse = 30;  // 1..1000
-  int iteration_count_top = 60;     // for the coarsest level, 1..1000
+  int iteration_count_top = 60;     // iterations for the coarsest level, 1..1000
   // Number of passes over a level. In each further pass, every texel starts from its own lobes and all its neighbours
-  // are fitted; in the first pass, the texels that are fitted first know only their parent.
+  // are fitted; in the first pass, the texels that are fitted first use only their parent.
   int pass_count = 2;  // 1..8
-  // Maximum of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their iterations if
-  // that is more.
+  // Maximum of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their first pass's
+  // iterations if that number is larger.
   int refit_iterations = 6;
   // A texel stops early when no lobe's kappa or weight changes by more than this ratio, and no lobe turns by more than
-  // this ratio of its width; 0: never. Coarse texels run all iterations.
+  // this ratio of its width; 0 means never. Coarse texels always run all iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
-  // After EM, refines each texel's lobes to reduce the error of their highlights (movmf_refine.cl). Only for lobes
-  // with a kappa and for binned normals.
+  // After EM, refines each texel's lobes to reduce the error of their highlights (movmf_refine.cl). Applies only to
+  // lobes with a kappa and to binned normals.
   bool refine = false;
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
   bool search_start = true;  // try the coarsest level's candidates on a small proxy of the map
-  // For comparison: the coarsest level starts only from the normals that are farthest apart.
+  // For comparison, starts the coarsest level only from the normals that are farthest apart.
   bool farthest_start = false;
-  // The map repeats: texels are also aligned to texels across the border. bake_file() derives this from the wrap modes.
+  // True if the map repeats. Texels are then also aligned to texels across the border. bake_file() derives this from
+  // the wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;
-  // The finest fitted level, 0..levels - 1; no level depends on a finer one. Finer levels of the result have no texels.
+  // The finest fitted level, 0..levels - 1. No level depends on a finer level, and finer levels of the result have no
+  // texels.
   int first_level = 0;
-  bool aligned_start = true;  // false, for comparison: texels start independently; filtering mixes unrelated lobes
-  // Cap of kappa (1/sigma^2 of Gaussians) inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals. A
-  // lobe stores the spread of its normals, whatever the cap.
+  bool aligned_start = true;  // false for comparison: texels start independently, so filtering mixes unrelated lobes
+  // Cap of kappa (1/sigma^2 of Gaussians) inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals of the texel).
+  // The stored spread of a lobe does not depend on the cap.
   float kappa_cap = 500.0f;           // 1..1e5
   float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // start kappa / kappa of the parent, 0.01..1

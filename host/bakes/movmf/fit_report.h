@@ -17,7 +17,7 @@ struct LevelReport {
 };
 
 struct FitReport {
-  std::string plan;            // BakePlan::to_text(), or the plan of plain averages
+  std::string plan;            // text from BakePlan::to_text(), or the plan of plain averages
   double start_seconds = 0.0;  // time to choose the start of the coarsest level
   std::uint64_t start_launches = 0;
   int starts_tried = 0;          // candidates whose pyramid was tried on a small proxy of the map
@@ -28,8 +28,8 @@ struct FitReport {
   // Rare numerical events over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;
   std::uint64_t nonfinite = 0;         // must be 0
-  std::uint64_t kappa_clamped = 0;     // above MovmfSettings::kappa_cap: EM may have treated them as less sharp
-  std::uint64_t dead_lobes = 0;        // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
+  std::uint64_t kappa_clamped = 0;     // lobes above MovmfSettings::kappa_cap, which EM may have treated as less sharp
+  std::uint64_t dead_lobes = 0;        // amplitude below 1e-6; below 1e-7 (DEAD_SHARE), EM keeps the direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
 };
 

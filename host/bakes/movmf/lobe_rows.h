@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts lobes between the format of the kernels and the format of the file.
+// Converts lobes between the kernels' format and the file format.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ struct LobeRowsSize {
 
 /// `lobes`: r and a, by rows [lobe][column]; for Gaussians mean, sigma^2 and a. `features`: by rows
 /// [triple][lobe][column].
-/// Returns planes of (a r, a), or of Gaussians as in host/formats/asset/lobes/gmm_quantize.h. The shares of every
+/// Returns planes of (a r, a), or Gaussians as in host/formats/asset/lobes/gmm_quantize.h. The shares of every
 /// texel sum to 1. Counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
 MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, const std::vector<glm::vec3>& features,
                        float kappa_cap, int threads, FitReport& report);

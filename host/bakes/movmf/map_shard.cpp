@@ -23,7 +23,7 @@ LevelRows parents_of(const LevelRows& rows) {
   return {half(rows.begin) - 1, half(rows.end - 1) + 2};
 }
 
-// Rows that LevelFit fits and reads to finish some rows.
+// Returns the rows that LevelFit fits and reads to finish some rows.
 LevelRows reach(const LevelRows& rows, int steps) { return {rows.begin - steps, rows.end + steps}; }
 
 LevelRows band(int height, const MapShard& shard) {
@@ -31,9 +31,10 @@ LevelRows band(int height, const MapShard& shard) {
   return {edge(shard.index - 1), edge(shard.index)};
 }
 
-// A band needs about as many extra rows on every level, so each coarser level fits twice the share of rows again. The
-// coarsest divided level may fit at most half as many extra rows as it keeps, the next finer level a quarter, and so
-// on. The finest level may fit as many extra rows as it keeps, because without it nothing can be divided.
+// A band needs about the same number of extra rows on every level, so the share of extra rows doubles with each coarser
+// level. On the coarsest divided level, there may be at most half as many extra rows as kept rows, on the next finer
+// level a quarter, and so on. On the finest level, there may be as many extra rows as kept rows, because nothing can be
+// divided without this level.
 bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count, bool is_finest) {
   const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
   return rows + 2 < height && 2 * rows * count <= (is_finest ? 4 : 3) * height + 2 * count;
@@ -145,7 +146,7 @@ ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std
   if (!is_whole_) refuse("is cut off, or damaged");
 }
 
-// Rows are checked when they are read.
+// Rows are checked later, when they are read.
 bool ShareFile::take(const RecordFile::Place& place, RowRecords& rows) {
   const bool is_note = record_count_++ == 0;
   is_whole_ = false;

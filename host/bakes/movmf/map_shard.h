@@ -40,7 +40,7 @@ struct ShardPlan {
   std::map<int, LevelRows> kept, fitted;
 };
 
-/// Throws Error(kUsage) if the map is too small for so many bands, or if its levels do not depend on each other.
+/// Throws Error(kUsage) if the map is too small for so many bands, or if the levels do not depend on each other.
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard);
 
 /// Rows of the map that a band's levels cover, including those that windows may hold. On a map that repeats, they may
@@ -54,7 +54,7 @@ std::string shard_path(const std::string& output, const MapShard& shard);
 /// (host/bakes/movmf/row_records.h), and an empty record at the end.
 class ShareWriter {
  public:
-  /// `key`: identifies the inputs of the rows, in one line. Throws Error(kEnvironment), as the other members do.
+  /// `key`: one line that identifies the inputs of the rows. Throws Error(kEnvironment), like the other members.
   ShareWriter(const std::string& path, const std::string& key, const std::string& note);
   /// `parts`: see RowRecords::add().
   void add_rows(const RowBlock& rows, const std::array<const void*, 3>& parts) { rows_.add(records_, rows, parts); }
@@ -69,9 +69,9 @@ class ShareWriter {
 /// Reads the file of a finished share.
 class ShareFile {
  public:
-  /// Adds its rows to `rows`, which it must outlive. `key`: null accepts any key. `output`: as for shard_path().
-  /// Throws Error(kEnvironment) that names the file, the problem (missing, cut off, or from another bake), and the
-  /// share that makes it again.
+  /// Adds the file's rows to `rows`; the object must outlive `rows`. `key`: null accepts any key. `output`: as for
+  /// shard_path(). Throws Error(kEnvironment) that names the file, the problem (missing, cut off, or from another
+  /// bake), and the share that makes it again.
   ShareFile(const std::string& output, const MapShard& shard, const std::string* key, RowRecords& rows);
   const std::string& note() const { return note_; }
   const std::string& path() const { return path_; }

@@ -28,7 +28,7 @@ bool covers_whole_texels(int map_size) {
 }
 
 // True for texels of four whole normals with a parent. Unaligned lobes give no criterion for the choice, and
-// --reference uses EM everywhere.
+// --reference uses EM for all texels.
 bool chooses(const MovmfSettings& settings, const MultumMovmfFit& fit) {
   return fit.map_width == 2 * fit.width && fit.map_height == 2 * fit.height && fit.parent_width > 0 &&
          settings.aligned_start && settings.alignment > 0.0f && settings.convergence_tolerance > 0.0f;

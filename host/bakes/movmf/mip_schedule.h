@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Schedules the fit of a pyramid's texels: levels from the coarsest to the finest, and each level in steps of mutually
-// independent texels (docs/contributing/ALGORITHMS.md, "Order"). A step over some rows is one launch of the EM kernels.
+// independent texels (docs/contributing/ALGORITHMS.md, "Order"). A step for some rows is one launch of the EM kernels.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +21,15 @@ enum class FitMethod {
 
 struct LevelSchedule {
   int level;
-  MultumMovmfFit fit;  // for the whole level at once; without slot_count
+  MultumMovmfFit fit;  // values for the whole level at once, without slot_count
   FitMethod method;
   FitOrder order;
-  int refit_iterations;  // EM iterations of each further pass; `fit` has those of the first
+  int refit_iterations;  // EM iterations of each further pass; `fit` has the number for the first pass
   int step_count;        // of a pass
 };
 
 struct MipSchedule {
-  bool weighted;                      // texels cover fractions of finest texels
+  bool weighted;                      // true if texels cover fractions of finest texels
   std::vector<LevelSchedule> levels;  // coarsest first, down to level 1 or MovmfSettings::first_level
 
   bool uses(FitMethod method) const;
@@ -37,31 +37,32 @@ struct MipSchedule {
 
 /// Weight of the mixed widths of movmf_choose.cl, in units of MovmfSettings::alignment.
 constexpr float kChoiceAlignment = 14.0f;
-/// One work-item sums a texel of up to this many samples; larger texels are binned or summed in chunks. Only the
-/// sample count decides, so that the order of sums never depends on bands or devices. With 1024, the packed normals of
-/// a group still fit a core's cache, and the rounding error of a plain sum stays below 1e-6.
+/// One work-item sums a texel of up to this many samples; larger texels are binned or summed in chunks. The choice
+/// depends only on the sample count, so that the order of sums never depends on bands or devices. With 1024, the packed
+/// normals of a group still fit into a core's cache, and the rounding error of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
 /// Cells per side of the grid of a binned texel. Texels of up to kSamplesFewCellsMax samples, which are numerous, have
-/// fewer. Both numbers are odd: the flat normals of a map that tilts equally in both directions then fall into the
+/// fewer cells. Both numbers are odd. If a map tilts equally in both directions, its flat normals then fall into the
 /// middle of a cell and not on an edge.
 constexpr int kSamplesFewCellsMax = 4096;
 constexpr int kCellSideFew = 31;
 constexpr int kCellSide = 71;
-/// For shortened normals, with a grid per class of lengths: about twice as many cells in total.
+/// Cells per side for shortened normals. These have a grid per class of lengths, with about twice as many cells in
+/// total.
 constexpr int kCellSideFewShortened = 21;
 constexpr int kCellSideShortened = 47;
 /// With early stops, a texel of at most this many normals (level 1) runs kIterationsFewNormals iterations instead.
-/// Lobes of such a texel find the normals at once and then move slowly; stopping when they have almost stopped costs up
-/// to a fifth more error. Softer starts, with kappa times kStartFactorFewNormals, converge sooner and reduce the error
-/// at centres. A stronger alignment passes the gain on to the points between them.
+/// Lobes of such a texel find the normals at once and then move slowly. A stop when the lobes have almost stopped
+/// moving increases the error by up to a fifth. Softer starts, with kappa times kStartFactorFewNormals, converge sooner
+/// and reduce the error at centres. A stronger alignment passes the gain on to the points between them.
 constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
 constexpr float kAlignmentFactorFewNormals = 1.2f;
 /// Texels that cover fewer normals are not refined (movmf_refine.cl). The lobes of such texels already follow their
 /// normals. Refining reduces errors at texel centres, but increases them between centres. On the four-quarter map of
-/// 256 with s = 100, errors midway rise from 10.8 to 11.4 % at level 1, and from 12.5 to 12.6 % at level 2. Texels of
-/// level 3 cover 64 normals, and about as many if sides are not powers of two.
+/// 256 x 256 texels with s = 100, errors at midpoints rise from 10.8 to 11.4 % at level 1, and from 12.5 to 12.6 % at
+/// level 2. Texels of level 3 cover 64 normals, or about 64 if sides are not powers of two.
 constexpr float kRefinedNormalsMin = 32.0f;
 /// Approximate number of samples per chunk of EM.
 constexpr int kSamplesPerChunk = 4096;
@@ -69,17 +70,17 @@ constexpr int kSamplesPerChunk = 4096;
 /// `weighted`: use the kernels that weigh samples even if texels cover whole texels (the same result).
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
-/// Number of facets that a shortened normal represents when EM divides it among lobes (movmf_em.clh). Errors on the
-/// four-quarter map of 256 at level 2 with a constant, a smooth and a noisy roughness: 10.7, 13.5 and 38.8 % with 1;
-/// 5.8, 9.1 and 26.0 with 4; 6.3, 9.4 and 29.6 with 16.
+/// Number of facets that a shortened normal represents when EM divides it among lobes (movmf_em.clh). Errors at level 2
+/// of the four-quarter map of 256 x 256 texels with a constant, a smooth and a noisy roughness: 10.7, 13.5 and 38.8 %
+/// with 1 facet; 5.8, 9.1 and 26.0 % with 4 facets; 6.3, 9.4 and 29.6 % with 16 facets.
 constexpr float kCopiesShortened = 4.0f;
 /// Adapts the schedule to normals that are shortened by a BRDF's width.
 void make_shortened(MipSchedule& schedule);
-/// The schedule of a map; its normals tell whether they are shortened.
+/// Makes the schedule of a map, whose planes state whether normals are shortened.
 MipSchedule make_mip_schedule(const PlaneStore& normals, const MovmfSettings& settings, bool weighted = false);
 
 /// The texels of step `step` in the rows [first_row, last_row) of a level, as positions (row - window_first_row) *
-/// width + column in a window. Rows outside the level's borders belong to the repeated level.
+/// width + column in a window. Rows outside the level's borders are rows of the repeated level.
 std::vector<int> step_texels(const LevelSchedule& level, int step, int first_row, int last_row, int window_first_row);
 
 /// The first finest row that row `row` of the level covers, and one past the last. Rows may be outside the borders.

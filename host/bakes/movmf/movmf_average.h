@@ -12,11 +12,12 @@
 
 namespace multum {
 
-/// True if plain averages give the result of these settings. False for a part of a map, which is next to existing
-/// lobes.
+/// True if plain averages give the result of these settings. False for a part of a map, because the part is next to
+/// existing lobes.
 bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings);
 
-/// Bakes as bake_movmf() does, for settings that averages_suffice() accepts. Progress advances by movmf_bake_units().
+/// Bakes as bake_movmf() does, for settings for which averages_suffice() returns true. Progress advances by
+/// movmf_bake_units().
 void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress);
 

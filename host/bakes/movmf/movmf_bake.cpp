@@ -72,9 +72,10 @@ class StartTrial {
         schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
         plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
 
-  // Builds the pyramid from one candidate and returns its error at texel centres and between. A start is as good as
-  // the levels that grow from it. Neither its likelihood nor its own error predicts this: on the four-quarter map with
-  // 6 lobes, the best start ranked 14th by error. With 4096 normals, a candidate takes about 50 ms.
+  // Builds the pyramid from one candidate and returns its error at texel centres and between. The error of the finer
+  // levels decides whether a start is good. Neither the likelihood nor the error of the start itself predicts their
+  // error: on the four-quarter map with 6 lobes, the best start ranked 14th by error. With 4096 normals, a candidate
+  // takes about 50 ms.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
     MovmfMipmapSink sink(planes_, settings_, {});
@@ -86,7 +87,7 @@ class StartTrial {
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
     accuracy.footprints_per_octave = 0;
-    accuracy.threads = 1;  // too little work for several
+    accuracy.threads = 1;  // too little work for several threads
     accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64), {}};
     const auto too_fine = [&](int level) {
       const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
@@ -109,7 +110,7 @@ class StartTrial {
   const BakePlan plan_;
 };
 
-// Candidates of the map; a memory keeps them for all settings with as many lobes.
+// Returns candidates for the map. A memory keeps them for all settings with the same number of lobes.
 StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
   if (memory != nullptr)
     if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
@@ -119,12 +120,12 @@ StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& se
   return memory == nullptr ? found : memory->remember(search.lobe_count, search.kappa_max, std::move(found));
 }
 
-// Returns the candidate with the best pyramid on a proxy map. `is_timed`: load the kernels before timing starts.
+// Returns the candidate with the best pyramid on a proxy map. `is_timed`: the kernels are loaded before timing starts.
 ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSettings& whole,
                            const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
                            bool is_timed) {
   device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
-  const StartTrial start_trial(device, proxy, whole, schedule);  // with the map's kernels: no second set of programs
+  const StartTrial start_trial(device, proxy, whole, schedule);  // uses the map's kernels, to avoid a second set
   if (is_timed) start_trial.error_from(candidates.front());
   const RunClock clock([&device] { return device.timed_seconds(); });
   ChosenStart chosen;
@@ -143,8 +144,8 @@ ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSe
 // Settings for baking the proxy map.
 MovmfSettings trial_settings(const MovmfSettings& settings, const NormalMap& proxy) {
   MovmfSettings whole = settings;
-  whole.refine = false;   // the start decides the pyramid of EM
-  whole.first_level = 0;  // level of the proxy map, which has fewer levels than the map
+  whole.refine = false;   // refinement is off, because the start affects only the result of EM
+  whole.first_level = 0;  // a level of the proxy map, which has fewer levels than the map
   // If the finest levels are not requested, their kernels are not needed either.
   while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
                                               mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)

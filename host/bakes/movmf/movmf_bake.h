@@ -18,8 +18,8 @@
 
 namespace multum {
 
-/// Checks the settings as validate() does, and against limits that depend on the map's size. Throws Error(kInput) for
-/// a map that is too large, Error(kUsage).
+/// Checks the settings as validate() does, and against limits that depend on the map's size. Throws Error(kUsage), and
+/// Error(kInput) for a map that is too large.
 void validate(const MovmfSettings& settings, int map_width, int map_height);
 
 /// Units of progress of a bake of lobes.
@@ -29,9 +29,9 @@ inline std::uint64_t movmf_bake_units(int width, int height, int first_level = 0
 }
 
 /// Gives finished rows to the sink of `rows`, exact to float, before they are rounded for storage (quantize_movmf).
-/// `starts` belongs to bakes of this map; null: this bake searches its start. Counts and times go to `report`. Throws
-/// Error(kUsage) for settings out of range and for too little memory, Error(kEnvironment) for errors of the disk or
-/// the device, Cancelled.
+/// `starts` belongs to bakes of this map; if null, this bake searches for its own start. Counts and times go to
+/// `report`. Throws Error(kUsage) for settings out of range and for too little memory, Error(kEnvironment) for errors
+/// of the disk or the device, Cancelled.
 void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, RowOrigin& rows,
                 StartMemory* starts, FitReport& report, Progress* progress);
 

@@ -18,7 +18,7 @@ constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(
 constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_SAMPLE} * sizeof(float);
 constexpr std::size_t kProbeBytes = std::size_t{2} * MULTUM_PROBE_COUNT * sizeof(float);
 
-// Maximum of rows of texels that a band of `band_rows` rows of the map overlaps.
+// Returns the largest number of texel rows that a band of `band_rows` map rows overlaps.
 int rows_met(const MultumMovmfFit& fit, int band_rows) {
   return std::min(fit.height, (band_rows + fit.sample_rows - 1) / std::max(1, fit.sample_rows - 1) + 1);
 }
@@ -31,8 +31,8 @@ int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
   return shape.atomic_cells ? 1 : (fit.sample_columns + kChunkColumns - 1) / kChunkColumns;
 }
 
-// Bins one level during a pass over the map: buffers for the rows of texels that the band overlaps, row y in slot y %
-// slots.
+// Bins one level during a pass over the map. Has buffers for the texel rows that the band overlaps; row y is in slot y
+// % slots.
 class LevelBinner {
  public:
   LevelBinner(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
@@ -84,7 +84,7 @@ class LevelBinner {
     }
   }
 
-  // Second pass: fills cells; `features` hold the same rows.
+  // Second pass: fills cells; `features` must hold the same rows as `normals`.
   void add(const MapWindow& normals, const std::vector<MapWindow>& features) {
     for_each_row(normals, [&](int y, Slot& slot, bool begins, bool ends) {
       if (begins) {
@@ -116,8 +116,8 @@ class LevelBinner {
     return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * cell_bytes(fit_), "cells of normals");
   }
 
-  // Calls body(y, slot, begins, ends) for each row of texels that overlaps the window; `begins`, `ends`: the window
-  // contains its first, its last row.
+  // Calls body(y, slot, begins, ends) for each row of texels that overlaps the window; `begins` and `ends` state
+  // whether the window contains the first and the last map row of the texels.
   template <typename Body>
   void for_each_row(const MapWindow& normals, const Body& body) {
     const int first = normals.first_row(), end = first + normals.row_count();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals and features of coarse texels for all levels in two passes over the map: one for the axes of the
-// grids, one for their cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned normals").
+// Bins the normals and features of coarse texels for all levels in two passes over the map: the first for the axes of
+// the grids, the second for the cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned normals").
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@ namespace multum {
 std::size_t binned_bytes(const MultumMovmfFit& fit);
 
 /// The samples of one level's texels by rows, one texel after another, and the number of samples per texel. Features
-/// belong to the same samples, by rgb_planes.
+/// belong to the same samples, in order of rgb_planes.
 struct BinnedLevel {
   RowStore samples;
   RowStore counts;  // one int per texel

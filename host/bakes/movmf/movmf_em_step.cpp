@@ -22,7 +22,7 @@ std::size_t group_count(std::size_t texels) { return (texels + MULTUM_GROUP - 1)
 // Buffers grow to the size of the largest step.
 void ensure(Device& device, DeviceBuffer& buffer, std::size_t byte_count, const char* what) {
   if (buffer.byte_count() >= byte_count) return;
-  buffer = DeviceBuffer();  // frees it before the next allocation
+  buffer = DeviceBuffer();  // frees the buffer before the next allocation
   buffer = device.make_buffer(byte_count, what);
 }
 
@@ -40,7 +40,7 @@ void restart_at(MapWindow& window, int first_row, int row_count) {
 }
 
 // Calls body() for each band of the map in which chunks begin. The windows hold the band's rows and the following rows
-// in which its chunks continue.
+// into which the chunks extend.
 template <typename Body>
 void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* features, const Body& body) {
   const bool whole = normals.capacity_rows() >= fit.map_height;
@@ -88,7 +88,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   if (schedule.uses(FitMethod::kChoice)) programs.push_back({"movmf_choose", starting_});
   if (uses_em) programs.push_back({"movmf_start", starting_});
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
-  // If the map's sides are not powers of two, this equals the first program, which is prepared once.
+  // If the map's sides are not powers of two, this program equals the first program, which is prepared only once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
   if (settings_.refine) {
     if (uses_texels) programs.push_back({"movmf_refine", fast_});
@@ -229,7 +229,7 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, StepWi
     mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes.buffer(),
                          windows.alignment_vectors.buffer(), fit, i);
     // An iteration reads every normal of its texels, which takes seconds on the largest maps; the caller can cancel
-    // after each.
+    // after each iteration.
     device_.finish();
     progress_advance(progress, 0);
   }

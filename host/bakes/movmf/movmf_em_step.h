@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// The rows of a level on the device, at the positions in MultumMovmfFit: inputs and outputs of a step. Windows that a
+/// Inputs and outputs of a step: the rows of a level on the device, at the positions in MultumMovmfFit. Windows that a
 /// method does not need are empty.
 struct StepWindows {
   RowWindow parent;                      // lobes of the next coarser level; empty if fit.parent_width is 0
@@ -40,8 +40,8 @@ class MovmfEmStep {
   /// iteration, in bands that fit into `normals`. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
   /// Queues the refinement of texels that are fitted, and whose neighbours are fitted, into the window of refined
-  /// lobes (movmf_refine.cl). The fitted lobes do not change, so the order of texels does not matter. For kTexels and
-  /// kBinned. Throws Cancelled.
+  /// lobes (movmf_refine.cl). The fitted lobes do not change, so the order of texels does not matter. Applies to
+  /// kTexels and kBinned. Throws Cancelled.
   void refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
   /// Waits for all queued work. Throws Cancelled.
   void finish(Progress* progress);
@@ -65,7 +65,7 @@ class MovmfEmStep {
   Device& device_;
   const MovmfSettings settings_;
   KernelVariant scalar_, fast_, binned_;
-  KernelVariant starting_, packing_;  // only the options that these kernels use: fewer programs
+  KernelVariant starting_, packing_;  // only options that these kernels use, so that fewer programs are built
   Kernel choose_kernel_, feature_chosen_kernel_;
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
   Kernel refine_kernel_, refine_binned_kernel_;

@@ -61,7 +61,7 @@ LevelShape MovmfFit::shape_of(const LevelSchedule& level) const {
           level.level > std::max(1, settings_.first_level)};
 }
 
-// Reads all normals once for the coarse texels.
+// Reads all normals once for all coarse texels.
 void MovmfFit::read_coarse_normals(FitMethod method) {
   if (coarse_.is_read || (method != FitMethod::kBinned && method != FitMethod::kChunks)) return;
   const Stopwatch stopwatch;
@@ -141,7 +141,7 @@ void MovmfFit::hand_over_there(const LevelSchedule& level, const LevelShape& sha
 // One past the last row of level 0 whose parents are in rows of level 1 above `row`.
 int MovmfFit::finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
 
-// Start of texels without a parent: the coarsest level, and every level of an unaligned bake.
+// Returns the start of texels without a parent: of the coarsest level, and of every level of an unaligned bake.
 RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
   const MultumMovmfFit& fit = level.fit;
   const auto width = static_cast<std::size_t>(fit.width);
@@ -170,10 +170,10 @@ RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
 
 void MovmfFit::hand_over(const LevelSchedule& level, const FittedRows& rows, bool is_there) {
   const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
-  // Not initialised, since a band has tens of megabytes.
+  // Leaves the memory uninitialised, because a band has tens of megabytes.
   auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
   rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
-  std::vector<MultumVmfLobe> em_lobes;  // if they differ from the stored lobes
+  std::vector<MultumVmfLobe> em_lobes;  // lobes of EM, if they differ from the stored lobes
   if (!is_there && rows.em_lobes != rows.lobes) {
     em_lobes.resize(lobe_count() * texels);
     rows.em_lobes->copy_rows(rows.first_row, rows.row_count, em_lobes.data());
@@ -202,7 +202,7 @@ void MovmfFit::hand_over(const LevelSchedule& level, const FittedRows& rows, boo
   if (finest_count > 0) advance({2 * rows.first_row, 2 * rows.first_row + finest_count}, map_height_);
 }
 
-// Each level counts as many units as the map has texels, spread over its rows.
+// Each level counts as many units as the map has texels, distributed evenly among its rows.
 void MovmfFit::advance(const LevelRows& rows, int height) {
   if (rows.begin >= rows.end) return;
   const std::uint64_t texels = static_cast<std::uint64_t>(map_width_) * static_cast<std::uint64_t>(map_height_);

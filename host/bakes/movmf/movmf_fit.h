@@ -31,8 +31,8 @@ class MovmfFit {
   /// Returns the lobes of the coarsest level's texel.
   using ChooseStart = std::function<std::vector<MultumVmfLobe>()>;
 
-  /// Settings are valid, and features have the map's size; all arguments outlive it. Calls `choose_start` before it
-  /// fits the coarsest level. Progress advances by movmf_bake_units().
+  /// Settings must be valid, features must have the map's size, and all arguments must outlive the object. Calls
+  /// `choose_start` before it fits the coarsest level. Progress advances by movmf_bake_units().
   MovmfFit(Device& device, const MapInputs& map, const MovmfSettings& settings, const MipSchedule& schedule,
            const BakePlan& plan, RowOrigin& rows, ChooseStart choose_start, FitReport& report, Progress* progress);
 

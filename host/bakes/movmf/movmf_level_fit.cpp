@@ -22,13 +22,13 @@ int em_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return level.step_count * (has_parent ? settings.pass_count : 1);
 }
 
-// Adds the refinement: a last step for all texels, which reads the EM lobes of neighbours.
+// Adds the refinement, which is a last step for all texels and reads the EM lobes of neighbours.
 int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
-// True if windows hold the whole level. Scan-line order needs this, and so do chunks, which are summed band by band of
-// the map for all texels at once. If a window would hold nearly all rows, it holds the whole level instead.
+// True if windows hold the whole level. Scan-line order needs the whole level. Chunks need it too, because they are
+// summed for all texels at once, band by band. A window that would hold nearly all rows holds the whole level instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
          level.method == FitMethod::kChunks;
@@ -47,7 +47,7 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   WindowRows rows{fit.height, fit.parent_height, fit.map_height};
   if (!is_whole(level, settings, plan)) {
     rows.level = plan.band_rows + total_steps(level, settings);
-    rows.parent = rows.level / 2 + 5;  // one more above and below: movmf_choose.cl reads parents' neighbours
+    rows.parent = rows.level / 2 + 5;  // one more above and below, because movmf_choose.cl reads neighbours
     rows.map = map_rows_end(fit, rows.level) + 1;
   }
   if (level.method == FitMethod::kChunks)
@@ -55,8 +55,8 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   return rows;
 }
 
-// Rows per handover: a band. On a device with its own memory, bands are large, so a handover has only as many rows as
-// the host should hold.
+// Returns the number of rows per handover, usually a band. On a device with its own memory, bands are large, so a
+// handover has only as many rows as the host should hold.
 int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings, const MapInputs& map,
                 int band_rows) {
   constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
@@ -155,9 +155,10 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   }
 }
 
-// Rows that step `step` must fit so that the last step's rows are correct: one more on each side per following step.
+// Rows that step `step` must fit so that the last step's rows are correct: one more row on each side for each following
+// step.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
-  if (range_) return wanted_;  // texels outside keep their lobes
+  if (range_) return wanted_;  // texels outside the range keep their lobes
   if (whole_) return {0, fit_.height};
   const int more = steps_ - 1 - step;
   return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
@@ -245,7 +246,7 @@ std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
   return texels;
 }
 
-// Uses the steps of the fit, so that no launch holds more texels than a launch of EM.
+// Uses the steps of the fit, so that no launch has more texels than a launch of EM.
 void LevelFit::refine(RowRange rows) {
   for (int step = 0; step < level_.step_count; ++step)
     em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
@@ -286,7 +287,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)
                                         : product((fit.width + 1) / 2, (step_rows + 1) / 2);
   bytes += em_step_bytes(level, settings, rgb_plane_count > 0, step_texels);
-  // Adds rows that are handed over, both as fitted and as stored.
+  // Adds the rows that are handed over, in the fitted form and in the stored form.
   return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
 }
 

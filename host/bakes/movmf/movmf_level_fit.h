@@ -2,8 +2,8 @@
 // Fits one level in bands of rows that slide down the level, so that neither the level nor the map must fit into
 // memory.
 //
-// A texel depends on its eight neighbours as earlier steps left them. Step s of a row therefore needs step s - 1 of
-// the adjacent rows only. The steps follow each other down the level, each one row behind the step before it:
+// A texel depends on its eight neighbours after the earlier steps. Step s of a row therefore needs step s - 1 of
+// the adjacent rows only. The steps move down the level, each step one row behind the step before it:
 //
 //   step 0          rows  [f, f + B)
 //   step 1          rows  [f - 1, f + B - 1)
@@ -44,9 +44,9 @@ struct CoarseTexels {
 /// Some finished rows, while the windows still hold them.
 struct FittedRows {
   int first_row, row_count;
-  const RowWindow* lobes;     // a window with these rows; refined if the level is refined
+  const RowWindow* lobes;     // a window with these rows; lobes are refined if the level is refined
   const RowWindow* features;  // [triple][lobe]; null: none
-  const MapWindow* normals;   // normals that they cover, on levels that are fitted to all normals; else null
+  const MapWindow* normals;   // normals under the rows, on levels that are fitted to all normals; else null
   MultumMovmfFit fit;         // with the current windows
   const RowWindow* em_lobes;  // lobes of EM, from which finer levels grow; `lobes` if the level is not refined
 };
@@ -55,15 +55,15 @@ struct FittedRows {
 bool is_refined(const LevelSchedule& level, const MovmfSettings& settings);
 
 struct BandPlan {
-  int band_rows;      // B, at least 1; the level's height: all rows at once
+  int band_rows;      // B, at least 1; equal to the level's height for all rows at once
   int map_band_rows;  // rows of the map, for a method that reads it band by band: kChunks
 };
 
 /// The fit of one level, or of a part of its rows.
 class LevelFit {
  public:
-  /// `fitted`: rows to hand over; the others are done already, or belong to another process. On a map that repeats,
-  /// they may be outside its borders. `origin` provides parents, the lobes that the level starts from, and the texels
+  /// `fitted`: rows to hand over; other rows are finished, or belong to another process. On a map that repeats, rows
+  /// may be outside its borders. `origin` provides the parents, the lobes from which the level starts, and the texels
   /// to fit.
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
            const MapInputs& map, CoarseTexels& coarse, RowOrigin& origin, const LevelRows& fitted, const BandPlan& plan,
@@ -79,7 +79,7 @@ class LevelFit {
   bool has_features() const { return !map_.features.empty(); }
   // True if the method reads the map's rows under the window's rows directly.
   bool reads_map_rows() const { return level_.method == FitMethod::kTexels || level_.method == FitMethod::kChoice; }
-  // True if the map repeats: then rows beyond a border exist, as many as the steps reach.
+  // True if the map repeats. Rows beyond a border then exist, as far as the steps need them.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
   int lower_bound() const { return repeats() ? std::min(wanted_.begin, 0) - steps_ : 0; }
   int upper_bound() const { return repeats() ? std::max(wanted_.end, fit_.height) + steps_ : fit_.height; }
@@ -109,7 +109,7 @@ class LevelFit {
   const RowRange wanted_;  // rows to hand over
   Progress* progress_;
   StepWindows windows_;
-  std::optional<MapWindows> windows_of_map_;  // if the map is not on the device
+  std::optional<MapWindows> windows_of_map_;  // set if the map is not on the device
 };
 
 /// The ranges of rows that LevelFit hands over, for all rows of a level that grows from another. Files store their

@@ -49,7 +49,7 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
 }
 
 // Ranks candidates by the error of their highlights compared with those of the normals, for a broad, a medium and a
-// sharp BRDF. Likelihood would rank sharp lobes around few normals higher than their effect in a picture.
+// sharp BRDF. Likelihood would rank sharp lobes around few normals too high for their small effect in a picture.
 class HighlightError {
  public:
   explicit HighlightError(const Normals& normals) : directions_(spread_half_vectors(kDirections)) {
@@ -166,8 +166,8 @@ class StartTrials {
   // Many short trials, then longer ones from the best: 0.2 s on one core for any map size. About one random trial in
   // 30 finds the basin of the best optimum on the four-quarter map with 4 lobes, and fewer do with more lobes.
   static constexpr int kTrials = 128, kShortIterations = 12, kLongIterations = 30;
-  // With 5 lobes or more, some trials start from the best fits of two lobes fewer, which are found more reliably, and
-  // add two. More lobes then do not have a higher error. With fewer lobes, random trials suffice.
+  // With 5 lobes or more, some trials start from the best fits with two lobes fewer, which are found more reliably, and
+  // add two lobes. More lobes then never have a higher error. With fewer lobes, random trials suffice.
   static constexpr int kGrownTrials = 48, kGrownLobesMin = 5, kLobesAdded = 2;
   static constexpr std::size_t kGrownFrom = 6;
 

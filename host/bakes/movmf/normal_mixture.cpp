@@ -14,7 +14,7 @@ MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>&
   MixtureFit fit;
   for (std::size_t i : chosen) {
     MixtureLobe lobe{normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())};
-    if (is_shortened) {  // as wide as the normal's own lobe: on a flat surface, lobes differ in nothing else
+    if (is_shortened) {  // as wide as the normal's own lobe, because on a flat surface lobes differ only in width
       const double length = glm::length(normals[i]);
       lobe = {normals[i] / length, 0.95 * length, kappa_of_mean_cosine(0.95 * length, 30.0), lobe.amplitude};
     }
@@ -64,7 +64,7 @@ void iterate_mixture(MixtureFit& fit, const Normals& normals, int iterations, do
 
 std::vector<std::size_t> farthest_first_normals(const Normals& normals, int count) {
   const glm::dvec3 mean = std::accumulate(normals.begin(), normals.end(), glm::dvec3(0.0));
-  // closest[i] = cosine between normal i and the nearest chosen normal; at first, the mean replaces the choices.
+  // closest[i] is the cosine between normal i and the nearest chosen normal. Before the first choice, the mean is used.
   std::vector<double> closest(normals.size());
   for (std::size_t i = 0; i < normals.size(); ++i) closest[i] = glm::dot(normals[i], mean);
   std::vector<std::size_t> chosen;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host and in double. The bake's EM starts from
-// them (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
+// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host in double precision. The bake's EM starts
+// from them (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
 #pragma once
 
 #include <cmath>
@@ -29,12 +29,12 @@ struct MixtureFit {
 /// Lobes of equal amplitude around the normals with the numbers in `chosen`.
 MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool is_shortened);
 
-/// EM in double (Han et al. 2007, section 7, Algorithm 1) without alignment; each shortened normal counts as `copies`
-/// normals (kernels/device/movmf_em.clh).
+/// Runs EM in double precision (Han et al. 2007, section 7, Algorithm 1) without alignment; each shortened normal
+/// counts as `copies` normals (kernels/device/movmf_em.clh).
 void iterate_mixture(MixtureFit& fit, const Normals& normals, int iterations, double kappa_max, double copies);
 
-/// The numbers of `count` normals that are far apart: first the normal farthest from the mean, then repeatedly the
-/// normal farthest from those chosen.
+/// Returns the indices of `count` normals that are far apart: first the normal farthest from the mean, then repeatedly
+/// the normal farthest from all chosen normals.
 std::vector<std::size_t> farthest_first_normals(const Normals& normals, int count);
 
 }  // namespace multum

@@ -13,8 +13,8 @@
 
 namespace multum {
 
-/// Contents of rows: lobes that finer levels grow from, [lobe][column]; features, [triple][lobe][column]; and lobes as
-/// the file stores them, if they differ from the first.
+/// Contents of rows: lobes from which finer levels grow, [lobe][column]; features, [triple][lobe][column]; and the
+/// lobes for the file, if they differ from the first lobes.
 enum class RowPart { kLobes, kFeatures, kStored };
 
 /// Bytes per row of each part; 0: the part is missing.
@@ -26,22 +26,22 @@ struct RowBlock {
   RowBytes row_bytes{};
 };
 
-/// Rows from any number of files, which outlive it.
+/// Holds rows from any number of files, which must outlive the object.
 class RowRecords {
  public:
   /// Appends rows to a file, in records of some megabytes, because reading a row loads its whole record. Missing
   /// `parts` may be null. Throws Error(kEnvironment).
   void add(RecordFile& file, const RowBlock& rows, const std::array<const void*, 3>& parts);
-  /// Adds an existing record without reading its rows. `remedy`: advice for damaged rows, which outlives this; null:
-  /// none. Returns false if the record holds no rows.
+  /// Adds an existing record without reading its rows. `remedy`: advice for damaged rows, which must outlive the
+  /// object; null if there is none. Returns false if the record holds no rows.
   bool take(const RecordFile& file, const RecordFile::Place& place, const std::string* remedy = nullptr);
 
-  /// Number of consecutive rows of a level from row 0 on with rows of this size; drops all others. Call it once per
-  /// level, before rows are added to the level while others are read.
+  /// Returns the number of consecutive rows of a level from row 0 on that have this size, and drops all other rows.
+  /// Call it once per level, before rows are added.
   int row_count(int level, const RowBytes& row_bytes);
   /// Position of the rows in the first record of a level; 0 if there is none.
   std::uint64_t begin_of(int level) const;
-  /// Fast if rows are read in order. Without stored lobes, kStored reads the lobes of kLobes. Throws
+  /// Reads rows, fastest in order. If there are no stored lobes, kStored reads the lobes of kLobes. Throws
   /// Error(kEnvironment) for rows that are missing or damaged.
   void read(int level, RowPart part, int first_row, int row_count, void* rows);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Remembers the starts of bakes of one map. A search takes 0.2 to 1 s of processor time for any map size, which is
-// most of the time of a small map's bake. Bakes whose settings differ only in what the search ignores, such as the
+// Remembers the starts of bakes of one map. A search takes 0.2 to 1 s of processor time for any map size, which is most
+// of the bake time of a small map. Bakes whose settings differ only in what the search ignores, such as the
 // storage of lobes, have the same start.
 #pragma once
 
@@ -23,16 +23,16 @@ struct StartCandidates {
 struct ChosenStart {
   std::vector<MultumVmfLobe> start;
   int tried = 0;  // candidates
-  RunTime time;   // time to find and try them, with kernels loaded
+  RunTime time;   // time to find and try the candidates, with loaded kernels
 };
 
-/// For one map and one device; bakes use it one after another.
+/// Serves one map and one device; bakes use it one after another.
 class StartMemory {
  public:
   /// Returns null if the candidates have not been searched.
   const StartCandidates* candidates(int lobe_count, float kappa_max) const;
   const StartCandidates& remember(int lobe_count, float kappa_max, StartCandidates found);
-  /// `settings`: of the bakes that tried the candidates.
+  /// `settings` are the settings of the bakes that tried the candidates.
   const ChosenStart* chosen(const MovmfSettings& settings) const;
   void remember(const MovmfSettings& settings, ChosenStart chosen);
 

@@ -49,7 +49,7 @@ struct AverageReport {
   std::uint64_t slopes_limited = 0;  // normals too close to the horizon for slopes of moments (kSlopeZMin)
 };
 
-/// Makes the planes that a representation averages, and takes their averages.
+/// Makes the planes that a representation averages, and receives the averages.
 class AveragedPlanes {
  public:
   using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z, or a triple of features
@@ -59,11 +59,11 @@ class AveragedPlanes {
   virtual std::string name() const = 0;
   /// Number of planes without feature planes (host/bakes/pyramid/feature_planes.h), which come last, three per triple.
   virtual int plane_count() const = 0;
-  /// Launches kernels that write a band of all planes except features into `nodes` [plane][row][row_length].
+  /// Launches kernels that write a band of all planes except feature planes to `nodes` [plane][row][row_length].
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
   /// Receives the normals as they are read.
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
-  /// Takes finished rows: the rows of a level in order from the top, the levels in any order.
+  /// Receives finished rows: the rows of a level in order from the top, the levels in any order.
   virtual void add_level(const BoxRows& rows) = 0;
   /// Called after all rows of a band were handed over; kernels may be launched again.
   virtual void end_band() {}

@@ -35,7 +35,7 @@ struct BoxRows {
   }
 };
 
-/// Small, because work-items are small: PoCL takes as long to begin a group of them as to run one.
+/// The group size is small because work-items are small: PoCL takes as long to start a group as to run a work-item.
 constexpr std::size_t kBoxLocalSize = 64;
 
 /// Throws Error(kInput) for a map that is too large, and Error(kUsage) for a first level that the map does not have.

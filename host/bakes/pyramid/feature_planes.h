@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a map's normals and the linear features of its material, which are averaged, or divided among lobes, with
-// the normals: colours, then weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake treats them as triples
-// of planes, whatever their meaning.
+// Describes a map's normals and the linear features of its material, which are averaged or divided among lobes together
+// with the normals: colours, then weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake treats these
+// features as triples of planes, whatever they mean.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct FeaturePlanes {
   bool all_of_size(int width, int height) const;
 };
 
-/// Inputs and limits of a bake. The normals tell whether roughness is included (PlaneStore::is_shortened()).
+/// Inputs and limits of a bake. The normals state whether roughness is included (PlaneStore::is_shortened()).
 struct MapInputs {
   const PlaneStore* normals = nullptr;
   FeaturePlanes features = {};                          // features of the map's size

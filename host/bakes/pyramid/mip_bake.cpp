@@ -64,7 +64,7 @@ SpillPolicy spill_policy(const MipJob& job) {
           static_cast<std::int64_t>(job.memory_bytes / 2)};
 }
 
-// Planes of a band in the layout of kernels/mip_box.cl.
+// Holds the planes of a band in the layout of kernels/mip_box.cl.
 class BandPlanes {
  public:
   BandPlanes(Device& device, const BoxMap& map, BoxPyramid& pyramid)
@@ -93,7 +93,7 @@ class BandPlanes {
   Kernel texels_;
 };
 
-// Reserves the planes of a row, and rows that wait to be written.
+// Reserves memory for the planes of a row, and for rows that wait to be written.
 BoxPyramid::Memory memory_of(const BoxMap& map, std::uint64_t bytes) {
   return {bytes, 4 * size_of(map.plane_count) * size_of(map.width)};
 }
@@ -146,7 +146,7 @@ bool is_pyramid_in_place(const std::string& path, const BakedProvenance& provena
     const BakedProvenance found = read_pyramid_header(path).map.provenance;
     return found.software == provenance.software && found.source_hash == provenance.source_hash &&
            found.settings_hash == provenance.settings_hash;
-  } catch (const Error&) {  // not such a file: it is written again
+  } catch (const Error&) {  // the file is not such a pyramid and is written again
     return false;
   }
 }

@@ -21,13 +21,13 @@ struct MipJob {
   std::string input;
   std::string output;
   std::string report;                              // JSON; empty: none
-  ColourEncoding colours = ColourEncoding::kAuto;  // for kColour; other kinds are data
+  ColourEncoding colours = ColourEncoding::kAuto;  // encoding for kColour; other kinds are data
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   StorageEncoding encoding = StorageEncoding::kHalf;
-  float scale = 1.0f;  // factor for the file's numbers
+  float scale = 1.0f;  // factor for the values of the file
   BakedWriteOptions writing;
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the image; changes no byte
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // limit for buffers and image; changes no output
   std::string scratch_folder;                             // empty: the output's folder
   int threads = 1;
   bool force = false;
@@ -48,8 +48,8 @@ struct MipReport {
 /// Throws Error, Cancelled; leaves no partial file. Progress: reading, averaging, writing.
 MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
 
-/// Runs a pyramid over numbers from any source: `fill_band` writes rows of `map`'s planes into the pyramid's nodes,
-/// bands from the top; `take` receives the rows of levels. Progress: one unit per texel of the map.
+/// Builds a pyramid from values of any source. `fill_band` writes the rows of `map`'s planes into the pyramid's nodes,
+/// band by band from the top; `take` receives the rows of levels. Progress: one unit per texel of the map.
 void run_box_bands(BoxPyramid& pyramid, const BoxMap& map, const std::function<void(const MultumBoxBand&)>& fill_band,
                    const std::function<void(const BoxRows&)>& take, Progress* progress);
 
@@ -60,11 +60,11 @@ PyramidLevel interleaved(const BoxRows& rows, int channels);
 std::uint64_t write_box_pyramid(BoxPyramid& pyramid, const BoxMap& map, PyramidWriter& writer, StorageEncoding encoding,
                                 const std::function<void(const MultumBoxBand&)>& fill_band, Progress* progress);
 
-/// Makes all levels of an image in memory: `planes` holds map.plane_count planes of width * height floats. For tests,
-/// and for maps that are computed instead of read.
+/// Makes all levels of an image in memory: `planes` holds map.plane_count planes of width * height floats. Used by
+/// tests, and for maps that are computed and not read.
 Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std::uint64_t memory_bytes);
 
-/// True if `path` already is such a file with the same settings and the same source.
+/// True if `path` is already such a file with the same settings and the same source.
 bool is_pyramid_in_place(const std::string& path, const BakedProvenance& provenance);
 
 }  // namespace multum

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kLightsMax = std::size_t{1} << 22;
 
-// Evaluations of lights per launch: longer launches would block the screen of a GPU, and Ctrl-C.
+// Light evaluations per launch. Longer launches would block the screen of a GPU, and would delay Ctrl-C.
 constexpr double kEvaluationsALaunch = 2e8;
 
 nlohmann::json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -42,7 +42,7 @@ MultumReflectanceLight device_light(const ReflectanceLight& light, const Reflect
   const glm::dvec3 world = glm::normalize(light.direction);
   const glm::dvec3 l(glm::dot(world, frame.right), glm::dot(world, frame.up), glm::dot(world, frame.viewer));
   const glm::dvec3 sum = l + glm::dvec3(0.0, 0.0, 1.0);
-  // For light from straight behind there is no half vector; the surface that it reaches reflects none of it.
+  // For light from exactly behind, there is no half vector, and the lit surface reflects no light to the viewer.
   const glm::dvec3 h = glm::length(sum) > 1e-9 ? glm::normalize(sum) : glm::dvec3(0.0, 0.0, 1.0);
   const auto f = [](double v) { return static_cast<float>(v); };
   return {f(l.x),
@@ -104,7 +104,7 @@ BoxMap box_map(const ReflectanceJob& job) { return {job.size, job.size, 3, 0}; }
 BoxPyramid::Memory memory_of(const ReflectanceJob& job, double evaluations_a_row) {
   const auto size = static_cast<std::size_t>(job.size);
   const double rows = std::max(1.0, kEvaluationsALaunch / std::max(1.0, evaluations_a_row));
-  const double row_bytes = 3.0 * 4.0 * 7.0 * static_cast<double>(job.size);  // nodes (two rows) and waiting rows
+  const double row_bytes = 3.0 * 4.0 * 7.0 * static_cast<double>(job.size);  // two rows of nodes, and waiting rows
   const auto wanted = static_cast<std::uint64_t>(std::min(rows * row_bytes, 1e12)) +
                       static_cast<std::uint64_t>(size) * 600 + (std::uint64_t{1} << 16);
   return {std::min(job.memory_bytes, wanted), 4 * 3 * size};

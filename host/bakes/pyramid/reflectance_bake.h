@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes distant lights, as reflected by a surface with one Blinn-Phong BRDF to a distant viewer, into a mip-mapped map
-// over the surface's normals (Williams 1983, section 4). kernels/reflectance_pyramid.cl, kernels/mip_box.cl.
+// Bakes the reflection of distant lights into a mip-mapped map over surface normals, for a surface with one Blinn-Phong
+// BRDF and a distant viewer (Williams 1983, section 4). kernels/reflectance_pyramid.cl, kernels/mip_box.cl.
 #pragma once
 
 #include <string>

@@ -23,7 +23,7 @@ void RowBlocks::append_taps(int level_width, int column, std::vector<Tap>& taps)
       position += left;
       continue;
     }
-    std::size_t k = 0;  // the largest block that begins here and ends before `end`
+    std::size_t k = 0;  // exponent of the largest block that begins here and ends at or before `end`
     while (texel % (std::int64_t{2} << k) == 0 && (texel + (std::int64_t{2} << k)) * unit <= end) ++k;
     taps.push_back({static_cast<std::uint32_t>(block_begin_[k] + static_cast<std::size_t>(texel >> k)), 1.0});
     position += unit << k;

@@ -66,7 +66,7 @@ BufferRange RowWindow::rows_of_plane(int plane, int first, int count) const {
           static_cast<std::size_t>(count) * row_bytes_};
 }
 
-// Splits rows [begin, end) of the window's level into pieces for single copies, as ranges of every plane.
+// Splits rows [begin, end) of the window's level into pieces that one copy per plane can handle.
 template <typename Body>
 void RowWindow::for_each_copy(int begin, int end, const Body& body) const {
   const std::size_t most = device_->shape().staging_bytes, row = static_cast<std::size_t>(plane_count_) * row_bytes_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manages windows that slide down over rows stored elsewhere: device buffers with planes of some rows each. Rows wrap:
-// on a map that repeats, a window may begin above its first row or end below its last.
+// Manages windows that slide down over rows stored elsewhere: each window is a device buffer with some rows of every
+// plane. Rows wrap: on a map that repeats, a window may begin above its first row or end below its last.
 //
 //   stored rows 0 1 2 3 4 5 6 7 8 9 ...
 //   window          [2 3 4 5 6]           plane 0: 2 3 4 5 6, plane 1: 2 3 4 5 6, ...
@@ -26,7 +26,7 @@ inline int wrapped_row(int row, int size) { return ((row % size) + size) % size;
 void for_each_piece(int first_row, int row_count, int size,
                     const std::function<void(int first, int count, int at)>& body);
 
-/// `plane_count` planes in one device buffer, each with a fixed number of rows of `row_bytes` bytes.
+/// Holds `plane_count` planes in one device buffer, each with a fixed number of rows of `row_bytes` bytes.
 class RowWindow {
  public:
   RowWindow() = default;
@@ -39,7 +39,8 @@ class RowWindow {
   const DeviceBuffer& buffer() const { return buffer_; }
 
   /// Writes the rows that were not yet in the window: `fill(row, count, planes)` is called for some rows at a time,
-  /// and `planes[p]` is the destination of row `row` of plane p. Without `fill`, their contents are undefined.
+  /// and `planes[p]` is the destination of row `row` of plane p. Without `fill`, the contents of these rows are
+  /// undefined.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
   /// Copies rows [first_row, + count) in the order of the store: each row with its planes one after another.

@@ -14,11 +14,11 @@ struct BakeShape {
   int width = 1, height = 1;
   Representation representation = Representation::kMovmf;
   int lobe_count = 4;  // for representations with lobes
-  int sh_order = 4;    // for representations with an order
+  int sh_order = 4;    // order of spherical harmonics
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   int first_level = 0;
   bool has_colours = false;   // colours in the baked file: per lobe, or one per texel
-  bool mean_colours = false;  // mean colours in a separate file, for all levels
+  bool mean_colours = false;  // true if mean colours of all levels are in a separate file
   int weight_count = 0;
   int exponent_count = 3;  // number of highlights whose error is measured
 };

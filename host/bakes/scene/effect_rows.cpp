@@ -122,8 +122,8 @@ class EffectRows {
     if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
   }
 
-  // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", in the order of lobes. Candidates are in the order of their
-  // textures, where more lobes with one colour come before fewer lobes with a colour each.
+  // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates are sorted by textures, so more
+  // lobes with one colour come before fewer lobes with a colour each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -147,7 +147,7 @@ class EffectRows {
     if (plan_.is_constant) return "one lobe represents all normals";
     if (needs_.width_in_map || needs_.weighted) return "a roughness map and weights need vMF lobes";
     if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which needs vMF lobes";
-    if (needs_.environment_highlight || other.lobes != nullptr)  // or one vMF lobe is enough
+    if (needs_.environment_highlight || other.lobes != nullptr)  // or if one vMF lobe is enough
       return !scene_.environment.empty() ? "an environment needs vMF lobes" : "one vMF lobe is enough";
     return "lobes are enough";
   }

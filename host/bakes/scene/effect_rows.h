@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the rows of a map's table in a plan: each effect, whether the map's bake needs it, and the number that
+// Makes the rows of a map's table in a plan: each effect, whether the map's bake needs it, and the figure that
 // justifies the decision.
 #pragma once
 

@@ -119,8 +119,8 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
       ->lobes;
 }
 
-// Fits a texel as the bake does: starts from the coarser texel's lobes, broadened and with a minimum amplitude, or
-// from normals that are far apart if these fit better.
+// Fits a texel as the bake does: starts from the coarser texel's lobes, broadened and with a minimum amplitude, or from
+// normals that are far apart, if this start fits better.
 LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
                                      const std::vector<MixtureLobe>& top) const {
   const Normals& normals = texel.normals;
@@ -327,9 +327,9 @@ double LobeErrors::colour_correlation(int lobe_count) {
   for (std::size_t t = 0; t < fitted.size(); ++t) {
     const auto count = static_cast<double>(survey_.texels[t].normals.size());
     const auto lobes = static_cast<double>(fitted[t].lobes.size());
-    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // with few normals each, lobes explain everything
-    // If colours are independent of the lobes, a share (lobes - 1) / (count - 1) of the variance lies between lobes by
-    // chance.
+    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // with few normals per lobe, lobes explain all of the variance
+    // If colours are independent of lobes, chance puts a share (lobes - 1) / (count - 1) of the variance between
+    // lobes.
     within += fitted[t].colour_within;
     between += fitted[t].colour_between - fitted[t].colour_within * (lobes - 1.0) / (count - 1.0);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates the error of lobes before any bake. Fits mixtures of 0, 1, 2, ... lobes to the normals under each surveyed
-// texel and shades them as the runtime does. The reference is those normals shaded one by one. Alignment and filtering
-// are not included: the estimate holds for texel centres and serves to choose settings.
+// texel and shades them as the runtime does. The reference shades the same normals one by one. The estimate excludes
+// alignment and filtering, so it holds for texel centres; it is used to choose settings.
 #pragma once
 
 #include <functional>
@@ -13,14 +13,14 @@
 namespace multum {
 
 /// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent; other families use the
-/// exponent of equal width.
+/// exponent of a Blinn-Phong of equal width.
 struct ShadedBy {
-  std::optional<double> exponent;  // nullopt: Lambert; infinite: the width by which normals are shortened
-  int weight = -1;                 // number of the map's weight that multiplies it; -1: none
+  std::optional<double> exponent;  // nullopt means Lambert; infinite means the width by which normals are shortened
+  int weight = -1;                 // index of the map's weight that multiplies the shading; -1 if there is none
 };
 
-/// Sharper highlights are estimated with this exponent, or with a lower one if a texel's normals are a widely spread
-/// sample: few half vectors and normals do not resolve sharp highlights.
+/// Sharper highlights are estimated with this exponent. A lower exponent is used if a texel's normals are a widely
+/// spread sample, because few half vectors and normals do not resolve sharp highlights.
 constexpr double kEstimatedExponentMax = 200.0;
 
 enum class ColourModel {
@@ -31,12 +31,13 @@ enum class ColourModel {
 
 struct LobeErrorSettings {
   int first_level = 1;         // finer levels are ignored
-  bool has_roughness = false;  // it shortens normals, by `mean_cosine` on average; Lambert ignores it
+  bool has_roughness = false;  // true if roughness shortens normals, by `mean_cosine` on average; Lambert ignores it
   double mean_cosine = 1.0;
   int threads = 1;
 };
 
-/// max(n . l, 0) of a vMF lobe with mean vector r, as in runtime_gl/shaders/common/movmf_shading.glsl.
+/// Returns the mean of max(n . l, 0) over a vMF lobe with mean vector r, as in
+/// runtime_gl/shaders/common/movmf_shading.glsl.
 double lobe_lambert(const glm::dvec3& r, const glm::dvec3& light);
 
 /// Estimates relative L1, sum |model - reference| / sum reference over texels and directions, with equal weights for
@@ -55,7 +56,7 @@ class LobeErrors {
   /// Share, 0..1, of the colours' variance within texels that lies between lobes, without the share that is due to
   /// chance.
   double colour_correlation(int lobe_count);
-  /// Share of the lobes of surveyed texels that is sharper than `kappa`; single directions do not count.
+  /// Share of the surveyed texels' lobes that are sharper than `kappa`; single directions do not count.
   double share_sharper(int lobe_count, double kappa);
 
  private:
@@ -80,7 +81,7 @@ class LobeErrors {
 
   const MapSurvey& survey_;
   const LobeErrorSettings settings_;
-  const double copies_;                      // per shortened normal, in EM
+  const double copies_;                      // number of copies of each shortened normal in EM
   std::vector<double> exponent_max_;         // [texel]: the sharpest highlight that its normals resolve
   std::vector<std::vector<TexelFit>> fits_;  // [lobe_count][texel], if requested
 };

@@ -15,7 +15,7 @@ namespace multum {
 struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
-  bool environment_highlight = false, takes_vmf = false;  // takes_vmf: for BRDFs that are sums of vMFs
+  bool environment_highlight = false, takes_vmf = false;  // takes_vmf is for BRDFs that are sums of vMFs
   double exponent_min = 0.0, exponent_max = 0.0;          // range over highlights with an exponent
   int first_seen = 0, last_seen = 0;
   std::vector<ShadedBy> diffuse_by, highlights_by;
@@ -32,7 +32,7 @@ struct MapNeeds {
     exponent_min = is_first ? exponent : std::min(exponent_min, exponent);
     exponent_max = is_first ? exponent : std::max(exponent_max, exponent);
   }
-  // The sharpest and the broadest exponent, which a bake measures. Empty if the map contains the widths.
+  // The sharpest and the broadest exponent, for which a bake measures errors. Empty if the map contains the widths.
   std::vector<double> exponents() const {
     std::vector<double> ends;
     if (exponent_max > 0.0) ends.push_back(exponent_max);

@@ -61,7 +61,7 @@ MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shar
   plan_.last_seen = needs_.last_seen;
   SurveySettings survey;
   survey.threads = settings.threads;
-  // Small maps are surveyed at fewer texels: their bakes take no longer than many fits.
+  // Small maps are surveyed at fewer texels: their bakes take no longer than a survey with many fits.
   survey.texels_per_level =
       std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
   const bool has_weights = needs_.weighted && source_->weights;
@@ -144,7 +144,8 @@ void MapPlanner::add_default() {
   s.exponent_count = 3;
   plan_.default_bake = finished({lobes_name(default_representation(), lobes), s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
-  // If one lobe is within the margin, no comparison is needed: the default bake is assumed to be no worse.
+  // If one lobe is within the margin, no comparison is needed, because the default bake is assumed to have no higher
+  // error.
   if (!scene_.budget.target_error) {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
     plan_.default_error_is_bound = one.worst() <= scene_.budget.estimate_margin;
@@ -195,8 +196,8 @@ void MapPlanner::add_candidates() {
   for (const EstimatedRepresentation& other : kOthers) add_other(other, by_default);
 }
 
-// Lobes of another family take as many textures as the default's lobes and as much time to fit, so they are cheaper
-// only if fewer suffice. Averages would show an environment's highlight as one lobe of the mean normal.
+// Lobes of another family need as many textures and as much time to fit as the default's lobes, so they are cheaper
+// only if fewer lobes suffice. Averages would show the highlight of an environment as one lobe of the mean normal.
 void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandidate& by_default) {
   const RepresentationInfo& info = representation_info(other.representation);
   const bool has_lobes = info.lobes != nullptr;
@@ -221,7 +222,7 @@ void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandi
   }
 }
 
-// The estimate is not a bound: settings close to the target are tried (host/bakes/scene/scene_bake.cpp).
+// The estimate is not a bound, so settings close to the target are tried (host/bakes/scene/scene_bake.cpp).
 void MapPlanner::choose_nearest() {
   constexpr double kEstimateMargin = 1.5;
   const double target = *scene_.budget.target_error;

@@ -23,9 +23,9 @@ class MapPlanner {
   MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
              const PlanSettings& settings);
 
-  /// Chooses the cheapest candidate within the limit, without the rows of the table and the job's settings. Call it
-  /// once. If no candidate is estimated to reach the target error, chooses the one with the lowest error; throws
-  /// Error(kVerification) if its error is far above the target.
+  /// Chooses the cheapest candidate within the limit. The result lacks the rows of the table and the job's settings.
+  /// Call it once. If no candidate is estimated to reach the target error, chooses the one with the lowest error;
+  /// throws Error(kVerification) if its error is far above the target.
   MapPlan plan();
 
   const MapNeeds& needs() const { return needs_; }

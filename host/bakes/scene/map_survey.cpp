@@ -21,7 +21,7 @@ namespace multum {
 namespace {
 
 constexpr int kBandLevel = 5;
-// On larger maps, sums are from every fourth band; ranges are always from every texel.
+// On larger maps, sums cover every fourth band; ranges always cover every texel.
 constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
 constexpr int kBandStride = 4;
 
@@ -41,7 +41,7 @@ struct NumberedRow {
   SumRow sums;
 };
 
-// Sums over a level, while its texels arrive.
+// Sums over a level, updated as its texels arrive.
 struct LevelSums {
   double texels = 0.0, spread = 0.0, spread_max = 0.0, difference = 0.0, variance = 0.0;
 
@@ -99,7 +99,7 @@ struct Range {
   double size() const { return high - low; }
 };
 
-// A finest texel that is picked, and its destination.
+// A picked finest texel and its destination.
 struct Pick {
   int row, column;
   std::size_t texel, index;
@@ -238,7 +238,7 @@ class Survey {
     band.row = std::move(rows.front());
   }
 
-  // Sums a single row to level 1, or to level 0 if there is no other.
+  // Sums a single row to level 1, or to level 0 if that is the only level.
   SumRow finest_row(const std::array<std::vector<float>, 3>& n, std::size_t first) const {
     const int parents = level_count_ > 1 ? width_of(1) : 1;
     SumRow row(size_of(parents));
@@ -252,7 +252,7 @@ class Survey {
     return row;
   }
 
-  // Makes rows of level l from rows of the finer level, from the top; rows of level 0 already have the columns of
+  // Makes rows of level l from rows of the finer level, from the top; rows from level 0 already have the columns of
   // level 1.
   std::vector<NumberedRow> coarser(const std::vector<NumberedRow>& rows, int l) const {
     std::vector<NumberedRow> out;
@@ -266,7 +266,7 @@ class Survey {
     return out;
   }
 
-  // Bands write to different elements.
+  // Bands write to different elements, so no lock is needed.
   void take_picks(int first, int count, const std::array<std::vector<float>, 3>& n,
                   const std::array<std::vector<float>, 3>& c) {
     auto pick =

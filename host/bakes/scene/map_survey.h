@@ -15,9 +15,9 @@
 
 namespace multum {
 
-/// Statistics over all texels of a level; on maps above 4 million texels, over every fourth row of level 5 and the
-/// finer texels in it. Each finest texel belongs to one texel of the level: if the map's sides are not powers of two,
-/// a texel on a border counts for one side only.
+/// Statistics over all texels of a level; on maps above 4 million texels, statistics over every fourth row of level 5
+/// and the finer texels in this row. Each finest texel belongs to one texel of the level: if the map's sides are not
+/// powers of two, a texel on a border counts for one side only.
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;
@@ -30,15 +30,15 @@ struct LevelStatistics {
 
 struct SurveyedTexel {
   int level = 0;
-  Normals normals;                  // all normals under the texel, or a random part
-  std::vector<glm::dvec3> colours;  // [normal], linear RGB; empty: the map has none
-  std::vector<glm::dvec4> weights;  // [normal], of basis BRDFs; empty: the map has none
+  Normals normals;                  // all normals under the texel, or a random selection
+  std::vector<glm::dvec3> colours;  // [normal], linear RGB; empty if the map has no colours
+  std::vector<glm::dvec4> weights;  // [normal], weights of basis BRDFs; empty if the map has none
 };
 
 struct MapSurvey {
   int width = 0, height = 0;
   std::vector<LevelStatistics> levels;  // from level 1 on
-  std::vector<SurveyedTexel> texels;    // level by level, from level 1 on
+  std::vector<SurveyedTexel> texels;    // surveyed texels level by level, from level 1 on
   double normal_range = 0.0;            // the largest difference in x or y between two normals of the map
   double colour_range = 0.0;            // the largest difference in red, green or blue
   double z_min = 0.0;                   // over all normals
@@ -51,7 +51,7 @@ struct SurveySettings {
   int threads = 1;
 };
 
-/// Features of the normals' texels: null, or of the map's size.
+/// Features of the same texels: null, or with the map's size.
 struct SurveyedFeatures {
   const PlaneStore* albedo = nullptr;
   const WeightMap* weights = nullptr;

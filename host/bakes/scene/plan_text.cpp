@@ -55,7 +55,7 @@ std::vector<std::string> list_lines(const std::vector<PlannedItem>& list, std::s
 std::string effect_rows(const std::vector<PlannedEffect>& effects, int width) {
   constexpr int kEffect = 25, kNeeded = 4, kTime = 9, kBytes = 10;
   constexpr int kWhy = 2 + kEffect + 1 + kNeeded + 1 + kTime + 1 + kBytes + 2;
-  // The list is next to the numbers if there is room, else below them.
+  // The list is next to the numbers if there is room, otherwise below the numbers.
   const bool beside = width - kWhy >= 40;
   const int indent = beside ? kWhy : 8;
   std::string text;
@@ -157,8 +157,8 @@ std::string bakes_text(const MapPlan& map) {
                      map.trials->fewest.shape.lobe_count, map.trials->most.shape.lobe_count, chosen.shape.first_level);
 }
 
-// Cost of trials, which the model of costs does not include. A trial on a mosaic of 256 x 256 texels takes 0.05 to 0.7
-// s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
+// Describes the cost of trials, which the cost model does not include. A trial on a mosaic of 256 x 256 texels takes
+// 0.05 to 0.7 s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
   return fmt::format(" and the trials (up to {} per map, a few seconds in total)",
                      target_candidates(Representation::kMovmf).size());
@@ -185,12 +185,12 @@ std::string outcome_text(const MapPlan& map) {
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
-// Makes a path absolute: a service publishes the folder of results at another place, where relative paths would fail.
+// Makes a path absolute: a service publishes the results folder at another place, where relative paths would fail.
 std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
 }
 
-// Describes how multum-view draws the object: on its plane, at the smallest distance, at a tilt of up to 45 degrees.
+// Describes how multum-view draws the object: on a plane, at the smallest distance, with a tilt of up to 45 degrees.
 // The distance is 10 units, and the size of a unit in metres follows from it.
 Json view_json(const SceneDescription& scene, const SceneObject& object, const ObjectPlan& plan, const MapPlan& map,
                const SceneFiles& files) {
@@ -204,7 +204,7 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
                {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
                {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
-               // The range that multum-view accepts; beyond it, texels are indistinguishable anyway.
+               // The range that multum-view accepts. Beyond this range, single texels are not visible.
                {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
   // Inputs for the reference of --compare.
   view["source"] = text_of_path(absolute(map.job.input));

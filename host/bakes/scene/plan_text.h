@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a plan for people, as a table per map and object, and for programs.
+// Writes a plan as a human-readable table per map and object, and as JSON for programs.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ struct SceneFiles {
 };
 
 /// Decisions with their numbers, and how multum-view draws each object; `multum-view scene plan.json` reads it. Paths
-/// of files are relative to the folder of results.
+/// of files are relative to the results folder.
 nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
 
 /// Formats values: "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" for 0.14.

@@ -38,7 +38,7 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-// The BRDF of a target is the narrowest highlight; for a map with roughness, it becomes the roughness itself.
+// The BRDF of a target is the narrowest highlight; for a map with roughness, the roughness itself is the BRDF.
 TargetBrdf target_brdf(const BakeJob& job) {
   if (!job.roughness.empty()) return {};
   return parse_target_brdf(job.measured_exponents.empty()
@@ -63,7 +63,7 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   return std::move(chosen.report);
 }
 
-// Other settings come from estimates; one bake shows whether they meet the target.
+// Other settings come from estimates, so a bake must show whether they meet the target.
 bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<FootprintError>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
   return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
@@ -169,7 +169,7 @@ SceneMapRows earlier_rows(const std::string& path) {
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress) {
   const Stopwatch stopwatch;
-  const DeviceCounts counts(device);  // for this share: a process may bake several
+  const DeviceCounts counts(device);  // counts for this share only, because a process may bake several shares
   SceneReport report;
   report.plan = plan;
   for (const MapPlan& map : report.plan.maps) {

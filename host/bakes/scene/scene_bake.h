@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a plan into a folder: a file NAME.ndf.exr per map, its mean colours in NAME.colours.exr if planned, plan.json,
-// and report.json. Each file appears when it is complete, or not at all. Files that exist already from the same
-// sources and settings remain, so that a killed run can continue.
+// and report.json. Each file appears when it is complete, or not at all. Existing files from the same sources and
+// settings remain, so that a killed run can continue.
 #pragma once
 
 #include <functional>
@@ -20,14 +20,15 @@ namespace multum {
 struct SceneMapReport {
   std::string name;
   BakeReport bake;
-  bool is_by_trials = false;  // trials choose the lobes for the scene's target error:
-  std::string options;        // chosen options; empty if the file existed already
+  bool is_by_trials = false;  // true if trials choose the lobes for the scene's target error
+  std::string options;        // chosen options; empty if the file already existed
   std::string earlier;        // JSON row of the report, for a map that was unchanged or baked by a share
   bool has_colours = false;   // in a separate file:
   MipReport colours;
   double seconds = 0.0;
   std::uint64_t file_bytes = 0;
-  // Measured after the bakes, for maps that are not baked by default settings and are not a single texel.
+  // Difference measured after the bakes; set for maps that are larger than one texel and are not baked with default
+  // settings.
   std::optional<SceneDifference> difference;
 };
 
@@ -36,7 +37,7 @@ struct SceneReport {
   std::vector<SceneMapReport> maps;
   double seconds = 0.0;          // time of the bakes; ScenePlan::plan_seconds is separate
   double compare_seconds = 0.0;  // time to measure differences from the default bake
-  // Over all maps, without comparisons.
+  // Counts for all maps, without comparisons.
   std::map<std::string, std::uint64_t> launches;  // by kernel
   std::map<std::string, int> builds;              // number of builds by kernels/FILE.cl
 
@@ -68,7 +69,8 @@ SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan
 void compare_scene_maps(const SceneDescription& scene, const ScenePlan& plan, SceneReport& report, Device& device,
                         Progress* progress);
 
-/// Copies the choices of trials from the baked files to the report's plan, and writes it if trials chose anything.
+/// Copies the settings that trials chose from the baked files to the report's plan, and writes the plan if there are
+/// any.
 void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, SceneReport& report);
 
 }  // namespace multum

@@ -55,7 +55,7 @@ BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   return job;
 }
 
-// Bakes a mosaic; maps that the job does not name are removed from it meanwhile.
+// Bakes a mosaic; maps that the job does not name are removed from the mosaic during the bake.
 std::unique_ptr<AccuracyMeter> tried(Device& device, const BakeJob& job, BakeSource& mosaic,
                                      const AccuracySettings& accuracy, Progress* progress) {
   std::optional<PlaneStore> albedo;
@@ -110,7 +110,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
   accuracy.footprints_per_octave = 0;
   accuracy.directions = scene_directions(scene, number);
   BakeJob by_default = default_job(scene, map);
-  by_default.fitting.search_start = false;  // a proxy of a proxy map: a second per map, and usually the same start
+  by_default.fitting.search_start = false;  // a search on a mosaic takes a second and usually finds the same start
   std::vector<std::vector<LevelDifference>> found;  // [mosaic][level and BRDF]
   int first = 0;
   for (BakeSource& mosaic : *map.mosaics) {
@@ -122,7 +122,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
     own.fitting.search_start = false;
     const auto meter = tried(device, own, mosaic, accuracy, &quiet);
     const auto other = tried(device, by_default, mosaic, accuracy, &quiet);
-    // If the scene shows no colours, those of the default bake are not visible either.
+    // If the scene shows no colours, the colours of the default bake are not visible either.
     const bool has_colours = !own.albedo.empty() || map.mean_colours;
     found.push_back(
         meter->difference_from(*other, device, mosaic.map.normals, has_colours ? mosaic.colours() : nullptr, &quiet));
@@ -152,7 +152,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
     }
     if (level_count == 0.0) continue;
     here.error /= level_count;
-    here.confidence = half_widths / level_count;  // levels of a mosaic are correlated, so the interval is no smaller
+    here.confidence = half_widths / level_count;  // levels of a mosaic are correlated, so more do not help
     if (worst.part.empty() || here.at_most() > worst.at_most()) worst = here;
   }
   return worst;

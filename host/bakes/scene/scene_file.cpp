@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
-constexpr std::size_t kLightCountMax = 8;     // per kind: the limit of multum-view
+constexpr std::size_t kLightCountMax = 8;     // limit of multum-view for lights of each kind
 constexpr std::size_t kMaterialCountMax = 4;  // basis BRDFs
 
 // Unique names of one kind of things.
@@ -115,7 +115,7 @@ const NamedFamilies& named_families() {
   return all;
 }
 
-// Members of all families, each once.
+// Lists the members of all families, each once.
 std::vector<std::string> member_keys() {
   std::vector<std::string> keys;
   for (const BrdfFamily& family : brdf_families())
@@ -353,7 +353,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
 
 std::vector<std::string> scene_files(const std::string& path) {
-  const BakeJob pattern;  // named, because GCC 12 warns about an empty one in braces
+  const BakeJob pattern;  // a named object, because GCC 12 warns about an empty one in braces
   const SceneDescription scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)

@@ -17,14 +17,14 @@ namespace multum {
 
 struct SceneMap {
   std::string name;
-  BakeJob job;  // its inputs; the plan decides the rest
+  BakeJob job;  // inputs of the map's bake; the plan decides the other settings
 };
 
 struct SceneMaterial {
   std::string name;
   /// One BRDF if its width is fixed; the narrowest and the broadest if the width changes at run time.
   std::vector<Brdf> brdfs;
-  bool width_in_map = false;  // brdf = "roughness-map": each texel has its own width
+  bool width_in_map = false;  // true for brdf = "roughness-map": each texel has its own width
   std::string measured_file;  // file of a BrdfKind::kMeasured
 
   bool is_dynamic() const { return brdfs.size() > 1; }
@@ -39,9 +39,9 @@ struct SceneLight {
 struct SceneObject {
   std::string name;
   std::size_t map = 0;
-  std::vector<std::size_t> materials;             // several: basis BRDFs with a weight each
+  std::vector<std::size_t> materials;             // several materials are basis BRDFs, each with a weight
   double texels_per_metre = 0.0;                  // 0: `width` is given
-  double width = 0.0;                             // metres that the map's width covers; 0: `texels_per_metre` is given
+  double width = 0.0;                             // metres that the map's width covers; 0 if texels_per_metre is given
   double distance_min = 0.0, distance_max = 0.0;  // metres from the camera
   double tilt_max = 85.0;                         // degrees between the line of sight and the surface's normal
 };
@@ -54,8 +54,8 @@ struct SceneCamera {
 struct SceneBudget {
   std::optional<double> bytes;         // bytes of the textures of all maps together
   std::optional<double> bake_ms;       // time of the bake by the model of docs/evidence/SCENE.md
-  std::optional<double> target_error;  // relative L1 against the reference, each map's worst BRDF
-  double estimate_margin = 0.02;       // how far an estimated error may exceed that of the default bake, relative L1
+  std::optional<double> target_error;  // relative L1 error against the reference, for the worst BRDF of each map
+  double estimate_margin = 0.02;       // allowed excess of an estimated error over the default bake's, relative L1
 };
 
 struct SceneDescription {

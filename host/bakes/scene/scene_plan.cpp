@@ -54,7 +54,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   job.stored_only = s.first_level > 0;
   const bool as_default = !budget.target_error && plan.chosen.name == plan.default_bake.name &&
                           s.encoding == plan.default_bake.shape.encoding;
-  if (plan.is_constant) job.measure = false;  // the spread of normals is known
+  if (plan.is_constant) job.measure = false;  // the spread of normals is known to be 0
   plan.stated_difference = as_default && !plan.is_constant
                                ? 0.0
                                : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.estimate_margin;
@@ -64,7 +64,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
                              plan.default_bake.error.worst() + budget.estimate_margin;
 }
 
-// Reduces cost to the scene's budgets: repeatedly takes the step that adds the least error.
+// Reduces the cost to the scene's budgets. Repeatedly takes the step that increases the error least.
 void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
   for (const auto& [limit, what, value] :
        {std::tuple{budget.bytes, "bytes", &BakeCost::bytes}, std::tuple{budget.bake_ms, "bake_ms", &BakeCost::ms}}) {

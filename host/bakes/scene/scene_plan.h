@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides which effects a scene needs of its maps, from the scene and the maps, and how each map is baked. Chooses the
+// Decides from a scene and its maps which effects the scene needs of each map, and how each map is baked. Chooses the
 // cheapest candidate whose estimated error stays within a margin of the default bake's
 // (docs/contributing/ALGORITHMS.md, "Plans of scenes" lists the rules).
 #pragma once
@@ -29,8 +29,8 @@ struct PlannedEffect {
   bool needed = false;
   std::string why;                     // with the measured number
   bool has_cost = false;               // true if it has a cost in the bake; other effects are only shader code
-  BakeCost cost;                       // cost that it adds, or saves if it is not needed
-  std::vector<PlannedItem> list = {};  // candidates that were tried, by cost; may be empty
+  BakeCost cost;                       // cost that the effect adds, or saves if it is not needed
+  std::vector<PlannedItem> list = {};  // candidates that were tried, sorted by cost; may be empty
 };
 
 /// Estimated errors, relative L1, of diffuse light and of highlights.
@@ -65,11 +65,11 @@ struct MapPlan {
   bool is_diffuse = false;                // at least one material is diffuse
   bool is_constant = false;               // all normals are nearly equal: the coarsest level suffices
   BakeCandidate chosen, default_bake;     // the default bake
-  std::optional<TrialRange> trials;       // set: trials of the bake choose, and `chosen` is an estimate
-  bool default_error_is_bound = false;    // the default bake's error is only known to be no higher
+  std::optional<TrialRange> trials;       // set if trials of the bake choose the settings; `chosen` is then an estimate
+  bool default_error_is_bound = false;    // true if the default bake's error is only known to be no higher than this
   PartErrors limit;                       // errors that candidates must not exceed
   std::vector<BakeCandidate> candidates;  // sorted by textures, then time
-  double stated_difference = 0.0;         // estimated relative L1 from pictures of the default bake
+  double stated_difference = 0.0;         // estimated relative L1 difference from pictures of the default bake
   std::vector<PlannedEffect> effects;
   std::shared_ptr<BakeSource> source;  // the job's inputs, if kept in memory
   // Small samples of the map for host/bakes/scene/scene_difference.h; null if no bake follows or one texel represents

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Hashes of a map's two files; empty: the file does not exist.
+// Hashes of a map's two files; empty if the file does not exist.
 struct FileHashes {
   std::string baked, colours;
 };
@@ -32,7 +32,7 @@ struct RecordedMap {
   FileHashes hashes;
   Json row;  // row of the report
   bool is_whole = false;
-  std::string why;  // reason if it is unusable
+  std::string why;  // reason if the record is unusable
 };
 
 struct Record {
@@ -67,7 +67,7 @@ SceneDescription part_of(const SceneDescription& scene, const std::vector<std::s
   return part;
 }
 
-// Everything that the files of these maps and their rows in the report depend on.
+// Returns all inputs on which the files of these maps and their rows in the report depend.
 std::string key_of(const SceneRun& run, const std::vector<std::size_t>& own) {
   const SceneDescription& scene = run.scene;
   InputHashes& hashes = *scene.maps.front().job.hashes;
@@ -87,7 +87,7 @@ std::string key_of(const SceneRun& run, const std::vector<std::size_t>& own) {
 
 ShareName name_of(const SceneRun& run, int index, int count) { return {run.files.folder, "scene", index, count}; }
 
-// Says why the file is not the one that its share wrote; empty if it is.
+// Says why the file differs from the file that its share wrote; empty if it does not differ.
 std::string difference(const std::string& path, const std::string& expected) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return path + ": does not exist";
@@ -199,7 +199,7 @@ SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Dev
     SceneMapRows earlier = earlier_rows(run.files.report());
     for (std::size_t i = 0; there && i < own.size(); ++i) {
       if (there->maps[i].is_whole) earlier[plan.maps[i].name] = there->maps[i].row.dump();
-      else plan.maps[i].job.force = true;  // a header does not reveal damaged texels
+      else plan.maps[i].job.force = true;  // a header alone does not reveal damaged texels
     }
     report = bake_scene_maps(part, plan, run.files, earlier, device, done, progress);
     compare_scene_maps(part, plan, report, device, progress);

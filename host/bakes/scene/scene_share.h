@@ -21,7 +21,7 @@ struct SceneRun {
 };
 
 struct SceneShareReport {
-  bool was_there = false;  // it existed, complete, with the same inputs and settings: nothing was done
+  bool was_there = false;  // nothing was done, because the share existed with the same inputs and settings
   int maps = 0;            // number in the share
 };
 

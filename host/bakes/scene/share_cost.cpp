@@ -13,25 +13,25 @@ namespace {
 
 // Processor time in nanoseconds per finest texel, fitted by eye. The sums match a bake of 16384 x 16384 texels: 194 s
 // (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). The division of the sums among
-// levels, lobes and stages is from maps of 1024 and 2048 (tools/lab/share_constants.py prints both, measured and
-// predicted). Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The additional
-// work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
+// levels, lobes and stages is from maps of 1024 and 2048 texels per side (tools/lab/share_constants.py prints measured
+// and predicted values). Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The
+// additional work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
 constexpr double kReadCpu = 60.0;          // with decoding, hashing and detection of the encoding
-constexpr double kStoreRows = 8.0;         // the map's rows, written to share 0's file
+constexpr double kStoreRows = 8.0;         // writing the map's rows to share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // level 1
 constexpr double kFitLobeOneCpu = 22.0;    // additional time per lobe
-constexpr double kFitFineCpu = 15.0;       // each of levels 2 to 5
+constexpr double kFitFineCpu = 15.0;       // each level from 2 to 5
 constexpr double kFitLobeFineCpu = 7.5;    // additional time per lobe
 constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
 constexpr double kColourFactorCpu = 0.6;   // additional share of the fit per triple of features
-constexpr double kBandRows = 12.0;         // rows of map and lobes to and from shares, per texel of a band
-constexpr double kMergeMap = 6.0;          // the map's hash, and its rows in share 0's file
-constexpr double kMergeRows = 12.0;        // rows of lobes of all shares
+constexpr double kBandRows = 12.0;         // copying rows of map and lobes to and from shares, per texel of a band
+constexpr double kMergeMap = 6.0;          // hashing the map, and reading its rows from share 0's file
+constexpr double kMergeRows = 12.0;        // reading rows of lobes from all shares
 constexpr double kWriteTextureCpu = 30.0;  // per stored texel of a texture
 constexpr double kMeasureLambertCpu = 10.0;
 constexpr double kMeasureExponentCpu = 30.0;
-// In seconds: a process with its programs and buffers; the search for a start; the measurement, which has a minimum
-// for every level.
+// Times in seconds: start of a process with its programs and buffers; search for a start; measurement, with a minimum
+// time for every level.
 constexpr double kFixedCpu = 0.1;
 constexpr double kFixedStart = 0.85;
 constexpr double kFixedWrite = 0.25;
@@ -39,7 +39,7 @@ constexpr double kFixedMeasure = 0.15;  // Lambert, and each exponent
 
 constexpr int kFinestBinned = 6;
 constexpr double kShareCountMax = 1000.0;  // the default limit of tasks of a Slurm array
-constexpr double kProcessors = 1.6;        // busy processors during a bake of averages, of 2
+constexpr double kProcessors = 1.6;        // number of busy processors during a bake of averages, of 2
 
 int rgb_planes(const BakeShape& s) { return (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3; }
 

@@ -26,8 +26,8 @@ double bake_processor_seconds(const BakeShape& shape);
 /// Throws Error(kUsage) as plan_shard() does: for too many bands, or a fit that cannot be divided.
 ShareCost share_cost(const BakeShape& shape, const MovmfSettings& settings, int count);
 
-/// The number of bands for a map, if each takes about `share_seconds` at most. 0: one process bakes the map, because
-/// its time is short or its fit cannot be divided.
+/// Returns the number of bands for a map if each band may take about `share_seconds`. Returns 0 if one process should
+/// bake the map, because its time is short or its fit cannot be divided.
 int share_count_of(const BakeShape& shape, const MovmfSettings& settings, double share_seconds);
 
 }  // namespace multum

@@ -28,12 +28,12 @@ namespace {
 struct Attempt {
   SettingTrial trial;
   ReachedError reached;                   // error that the bake measured
-  std::optional<ReachedError> confirmed;  // error at other footprints, if the target was reached
+  std::optional<ReachedError> confirmed;  // error at other footprints, measured if the target was reached
   double seconds;
 
   const ReachedError& judged() const { return confirmed ? *confirmed : reached; }
   BakeReport report;
-  std::vector<std::string> warnings;  // printed for the chosen one
+  std::vector<std::string> warnings;  // warnings, which are printed for the chosen attempt
 };
 
 // Bakes candidates in a folder of unfinished work next to the output, which is removed unless a stopped bake may
@@ -62,8 +62,8 @@ class Attempts {
     if (std::filesystem::exists(partial_folder_of(scratch_), ignored)) work_->leave();
   }
 
-  /// `may_meet`: false for a file that is kept although it misses the target: it must not be recognised as one that
-  /// meets it.
+  /// `may_meet` is false for a file that is kept although it misses the target. Later bakes must not recognise such a
+  /// file as one that meets the target.
   const Attempt& bake(const SettingTrial& trial, bool may_meet = true) {
     BakeJob job = with_candidate(job_, trials_.candidates()[trial.candidate]);
     if (!may_meet) job.chosen_for.clear();
@@ -104,7 +104,7 @@ class Attempts {
     std::filesystem::rename(scratch_, kept_);
     has_kept_ = true;
   }
-  /// Renames the kept file to the output. Called last, so that a cancelled search leaves an older output unchanged.
+  /// Renames the kept file to the output. Call it last, so that a cancelled search leaves an older output unchanged.
   void commit() {
     if (has_kept_) std::filesystem::rename(kept_, job_.output);
     has_kept_ = false;
@@ -163,7 +163,7 @@ class TimeGuess {
  public:
   TimeGuess(const SettingTrials& trials, double read_seconds) : trials_(trials), read_seconds_(read_seconds) {}
   double seconds(const SettingTrial& trial) const {
-    constexpr double kDefaultCorrection = 0.75;  // trials are so small that launches count
+    constexpr double kDefaultCorrection = 0.75;  // trials are so small that the time of launches matters
     const auto found = correction_.find(is_fit(trial));
     return read_seconds_ + raw(trial) * (found == correction_.end() ? kDefaultCorrection : found->second);
   }
@@ -189,7 +189,7 @@ class TimeGuess {
 std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_seconds, SettingTrials& trials,
                                         Attempts& attempts, Progress* progress) {
   constexpr std::size_t kAttemptsMax = 6;
-  // Settings with more lobes or higher orders than one that is far too slow are skipped. Predictions may be too high
+  // If settings are far too slow, settings with more lobes or higher orders are skipped. Predictions may be too high
   // by up to this factor.
   constexpr double kGuessMargin = 8.0;
   TimeGuess guess(trials, read_seconds);
@@ -237,7 +237,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
-    // The most accurate of the cheaper settings shows why they do not suffice.
+    // The most accurate of the cheaper settings shows that no cheaper settings suffice.
     const SettingTrial* below = nullptr;
     for (const SettingTrial& trial : trials.made())
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
@@ -257,7 +257,8 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   return text;
 }
 
-// Adds the error of a picture of the output. The picture is optional: a machine without GL still gets the file.
+// Adds the error of a picture of the output. The picture is optional, so that a machine without GL still writes the
+// file.
 void add_picture(const BakeJob& job, const BakeTarget& target, Progress* progress, BakeReport& report) {
   if (target.viewer.program.empty()) return;
   try {

@@ -2,7 +2,8 @@
 // Bakes a map to a target and finds its settings: the cheapest within an error, or the most accurate within a time.
 // Settings are chosen on a mosaic of the map (host/bakes/settings_search/setting_choice.h). Then the whole map is
 // baked and measured, and if it misses the target, the next settings are baked. A second sample of footprints decides
-// whether an error is met: among many settings, the search prefers those whose first sample happens to be good.
+// whether the target error is met, because among many settings the search prefers settings whose first sample is low by
+// chance.
 #pragma once
 
 #include <optional>
@@ -20,14 +21,14 @@ struct BakeTarget {
   TargetBrdf brdf;
   std::optional<Representation> only;  // restricts the search
   bool best_effort = false;            // write the best result even if nothing reaches the target
-  PlaneViewer viewer;                  // draws a picture of the result; empty: no picture
+  PlaneViewer viewer;                  // draws a picture of the result; empty for no picture
 };
 
 struct ChosenBake {
-  BakeReport report;    // report of the written bake, or of the best if none was written
+  BakeReport report;    // report of the written bake, or of the best bake if none was written
   std::string options;  // the chosen settings as options of `multum bake`
-  // For the whole map. If the target is an error that the first footprints meet, this is from footprints that had no
-  // part in the choice.
+  // Error of the whole map. If the first footprints meet a target error, this error is from footprints that were not
+  // used for the choice.
   ReachedError reached;
   bool met = false;
   bool written = false;

@@ -12,8 +12,8 @@
 namespace multum {
 
 struct MosaicSettings {
-  int side_max = 256;  // texels; smaller maps are copied whole
-  int block = 64;      // texels per side, divides side_max: levels 0..6 of a block are the map's
+  int side_max = 256;  // longest side in texels; smaller maps are copied whole
+  int block = 64;      // texels per side, which divides side_max; levels 0..6 of a block equal the map's
   std::uint64_t seed = 1;
 };
 

@@ -36,7 +36,7 @@ std::vector<std::string> PendingViews::command(std::size_t number) const {
   std::vector<std::string> command = {view.baked, "-o", file(number, ".png"), "--report", file(number, ".json")};
   command.insert(command.end(), common_.begin(), common_.end());
   command.insert(command.end(), view.arguments.begin(), view.arguments.end());
-  // Writing pictures takes a third of a small map's view, so unneeded pictures are not written.
+  // Writing pictures takes a third of the time of a small map's view, so unneeded pictures are not written.
   if (view.shows_reference) command.insert(command.end(), {"--pictures", file(number, "")});
   else if (std::find(command.begin(), command.end(), "--compare") != command.end()) command.push_back("--alone");
   return command;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a baked file as multum-view does, on a plane that extends to the horizon, and compares it with its reference.
+// Draws a baked file with multum-view on a plane that extends to the horizon, and compares it with its reference.
 // This error of a picture complements the pixel error that the bake measures (host/bakes/accuracy/footprint_error.h).
 #pragma once
 

@@ -94,8 +94,8 @@ class CandidateList {
     }
   }
 
-  // Adds the quick, the refined and the long fit. For the default lobe count, the long fit comes with other changes of
-  // the fit. A target search tries the long fit only for the most lobes: with fewer, another lobe gains more in less
+  // Adds the quick, the refined and the long fit. For the default lobe count, the long fit is added with other changes
+  // of the fit. A target search tries the long fit only for the most lobes: with fewer, another lobe gains more in less
   // time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
@@ -105,7 +105,7 @@ class CandidateList {
       add_fit(Axis::kIterations, sweeps | (lobes == counts_.most ? kTargetSearch : 0u), lobes, {{"reference", true}});
   }
 
-  // Without level 0, lobes take a quarter of the memory, so more lobes fit.
+  // Without level 0, lobes need a quarter of the memory, so more lobes fit.
   void add_first_levels() {
     for (int lobes = counts_.fewest; lobes <= counts_.most; ++lobes)
       add_fit(Axis::kFirstLevel,

@@ -30,12 +30,12 @@ const char* candidate_axis_name(CandidateAxis axis);
 /// Settings that may be chosen. The cost of a candidate is the number of textures read per texel, which determines
 /// memory and frame time. With equal counts, the time of the bake is the cost.
 struct SettingCandidate {
-  ParameterValues values;  // representation, lobes, order, effort, ...; the job has the rest
+  ParameterValues values;  // representation, lobes, order, effort, ...; the job has the other values
   CandidateAxis axis;
   unsigned users;       // CandidateUser
   std::string options;  // the values as text: "--ndf vmf --lobes 3"
   int texture_count;    // number of textures with four channels of 16 bits
-  int effort;           // with equal texture counts: less bakes faster
+  int effort;           // order of bake times among settings with equal texture counts
   Representation representation() const { return *given_representation(values); }
   int lobe_count() const { return values.integer("lobes").value_or(1); }
   int sh_order() const { return values.integer("sh_order").value_or(0); }
@@ -43,7 +43,8 @@ struct SettingCandidate {
   bool is_for(const BakeJob& job) const;
 };
 
-/// Candidates of one user, in the order of display. `only`: of this representation; nullopt: of all.
+/// Candidates of one user, in the order of display. `only` restricts them to one representation; nullopt means all
+/// representations.
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
 /// Candidates of kTargetSearch with representation `only`, the cheapest first. nullopt: all except Gaussians: with

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr int kFinestFitted = 1;  // level 0 has one direction per texel
+constexpr int kFinestFitted = 1;  // level 1, because level 0 has one direction per texel
 
 }  // namespace
 
@@ -98,7 +98,8 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
 
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress) {
-  // Measured on 16 maps with 8 numbers of lobes each: at most 22 % of the error; half of the gains are below 0.2 %.
+  // Measured on 16 maps with 8 lobe counts each: the gain is at most 22 % of the error, and half of the gains are below
+  // 0.2 %.
   constexpr double kEffortGain = 0.25;
   const std::vector<SettingCandidate>& candidates = trials.candidates();
   const auto is_hopeless = [&](const SettingCandidate& one) {

@@ -31,14 +31,14 @@ struct TargetBrdf {
 /// Parses a BRDF as parse_brdf() does; only the highlight counts. Throws Error(kUsage) naming `option`, Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
-/// The lowest error of `brdf` among the ways to shade a file; with colours if the file has them.
+/// The lowest error of `brdf` among the shading methods of a file; includes colours if the file has colours.
 struct ReachedError {
   double error = 0.0;
   double confidence = 0.0;  // half width of the 95 % interval
   double percentile_95 = 0.0;
   int worst_octave = 0;
   double worst_octave_error = 0.0;
-  std::string shading;  // for moments: "lean"; else empty
+  std::string shading;  // shading method for moments, such as "lean"; else empty
 
   /// True if the error and its interval are within `target`.
   bool meets(double target) const { return error + confidence <= target; }
@@ -50,7 +50,7 @@ struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
   double seconds;        // time of fitting or averaging
-  double fixed_seconds;  // part that does not grow with the map: start and coarse levels
+  double fixed_seconds;  // time that does not grow with the map: start and coarse levels
 };
 
 /// Trials of one map, each made once when requested.
@@ -85,9 +85,9 @@ class SettingTrials {
 /// JOB with the settings of a candidate.
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
-/// The cheapest candidate, from number `first` on, that meets `error` on the mosaic; nullopt if there is none. Its
+/// Returns the cheapest candidate, from index `first` on, that meets `error` on the mosaic, or nullopt. The candidate's
 /// error plus interval, times `correction`, must be at most `error`. Skips candidates whose quicker variant has too
-/// high an error: a longer fit of as many lobes reduces the error by a quarter at most.
+/// high an error: a longer fit of the same number of lobes reduces the error by at most a quarter.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

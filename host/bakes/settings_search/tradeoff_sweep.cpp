@@ -38,8 +38,8 @@ constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 struct View {
   std::string group;
   std::string arguments;                              // next to --brdf
-  std::string brdf;                                   // option of multum-view; empty: the target
-  bool is_measured;                                   // the bake's measured errors of the target are valid for it
+  std::string brdf;                                   // option of multum-view; empty for the target's BRDF
+  bool is_measured;                                   // true if the errors measured for the target are valid
   std::optional<Highlight> highlight = std::nullopt;  // another highlight to measure
   std::string shading = {};                           // AccuracyBrdf::shading of its errors
 };
@@ -54,7 +54,7 @@ std::string ggx_of(double exponent) {
   return fmt::format("ggx:{:.3f}", std::clamp(std::pow(2.0 / (exponent + 2.0), 0.25), 0.05, 1.0));
 }
 
-// Adds views drawn by sums of 1 to 4 vMFs: of the target if it is a sum, else of a GGX of the same width.
+// Adds views drawn with sums of 1 to 4 vMFs. The BRDF is the target if it is a sum, otherwise a GGX of the same width.
 void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
   const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
   for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
@@ -69,7 +69,7 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 void add_default_views(const TradeoffJob& job, std::vector<View>& views) {
   if (job.length == SweepLength::kQuick) return;
   views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return;  // the BRDF comes from the map, and has one formula
+  if (job.has_roughness()) return;  // the BRDF comes from the map and has only one formula
   if (job.brdf.brdf.kind == BrdfKind::kBlinnPhong) views.push_back({"shading formula", "--formula paper", "", false});
   if (job.brdf.has_highlight()) add_term_views(job.brdf, views);
 }
@@ -151,7 +151,7 @@ class Sweep {
     progress_start(progress_, units);
     for (std::size_t i = 0; i < sweep.size(); ++i) {
       run_bake(sweep[i], source);
-      // Repeats are spread over the sweep, so that they show the noise of other load.
+      // Repeats are spread over the sweep, so that they show the noise from other programs.
       if ((i + 1) % std::max<std::size_t>(1, sweep.size() / kTimeRepeats) == 0) repeat_default(source);
     }
     draw_views();
@@ -207,7 +207,7 @@ class Sweep {
 
   // Rows need only the pixel error of one BRDF; by default, a bake measures four BRDFs and each level.
   void choose_measured(BakeJob& bake) const {
-    if (job_.has_roughness()) return;  // one BRDF; a warning needs its levels
+    if (job_.has_roughness()) return;  // only one BRDF is measured, and a warning needs its levels
     if (job_.measures_all_brdfs) {
       bake.highlights = job_.brdf.more_highlights();
       return;
@@ -290,9 +290,9 @@ class Sweep {
   std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
   std::string new_scratch_file() { return scratch(fmt::format("swept_{}.ndf.exr", scratch_count_++)); }
 
-  // Compares with the pixel reference, as the measured error does; the reference is drawn once per BRDF.
+  // Compares the picture with the pixel reference, like the measured error; the reference is drawn once per BRDF.
   void draw(const std::string& baked, const View& view, std::size_t row_number) {
-    const bool is_first = references_.empty();  // the first of all views: the page shows its reference
+    const bool is_first = references_.empty();  // the page shows the reference of the first view
     std::vector<std::string> arguments = arguments_of(view);
     arguments.insert(arguments.end(), {"--compare", "reference", "--reference-of", "pixel", "--samples",
                                        fmt::format("{}", job_.samples), "--keep-reference", kept_reference(view)});
@@ -335,7 +335,7 @@ class Sweep {
     return arguments;
   }
 
-  // A row without a drawn frame exceeds every time budget.
+  // A row without a drawn frame counts as over every time budget.
   void mark_budgets() {
     for (TradeoffRow& row : result_.rows)
       row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
@@ -343,8 +343,8 @@ class Sweep {
                  (!job_.bake_seconds_max || row.bake.elapsed_seconds <= *job_.bake_seconds_max);
   }
 
-  // For a target error: the fewest bytes, then the least work. For a time, or with budgets only: the lowest error.
-  // Budgets limit elapsed time, because a person waits for it.
+  // Chooses a row. For a target error, this is the row with the fewest bytes, then the least work. For a time, or with
+  // budgets only, it is the row with the lowest error. Budgets limit elapsed time, because users wait for it.
   void choose() {
     for (std::size_t i = 0; i < result_.rows.size(); ++i) {
       const TradeoffRow& row = result_.rows[i];
@@ -369,10 +369,10 @@ class Sweep {
   const std::shared_ptr<StartMemory> starts_ = std::make_shared<StartMemory>();
   TradeoffResult result_;
   std::vector<double> bake_times_, frame_times_;   // times of the default settings
-  std::map<std::string, std::size_t> references_;  // [BRDF]: number of the file
+  std::map<std::string, std::size_t> references_;  // [BRDF]: index of the file
 };
 
-// A cost that fronts use; its noise is 0 if it is exact.
+// A cost that fronts use; the noise is 0 if the cost is exact.
 struct FrontCost {
   bool TradeoffRow::*flag;
   std::function<double(const TradeoffRow&)> of;  // < 0: not known

@@ -15,19 +15,19 @@ namespace multum {
 enum class SweepLength { kQuick, kDefault, kFull };
 
 struct TradeoffJob {
-  BakeJob bake;     // input, roughness and how to read them; swept settings are ignored
-  TargetBrdf brdf;  // kRoughness with a roughness map
+  BakeJob bake;     // input, roughness and settings for reading them; swept settings are ignored
+  TargetBrdf brdf;  // kRoughness if there is a roughness map
   SweepLength length = SweepLength::kDefault;
   bool measures_all_brdfs = false;  // TradeoffRow::errors cover all BRDFs, not only `brdf`
   std::string viewer;               // multum-view; empty: draw nothing
   std::string context = "auto";     // option of multum-view
   std::string decode = "child";     // option of multum-view
-  std::string output;               // the page, written by the caller; hidden files go next to it
+  std::string output;               // the page, which the caller writes; hidden files are written next to it
   int width = 320, height = 240;    // of pictures
   int samples = 64;                 // per pixel of the reference
   std::optional<double> error;      // choose settings for this error or time; at most one is set
   std::optional<double> bake_seconds;
-  // Budgets: rows say whether they meet all that are set, and only such rows may be chosen.
+  // Budgets. Rows state whether they meet all given budgets, and only rows that do can be chosen.
   std::optional<std::uint64_t> bytes_max;  // limit for textures on the GPU
   std::optional<double> frame_ms_max;      // needs a viewer
   std::optional<double> bake_seconds_max;
@@ -40,20 +40,20 @@ struct TradeoffJob {
 struct TradeoffRow {
   std::string group;                     // varied setting: "lobes", "storage", ...
   std::string options;                   // options of `multum bake`
-  std::string view;                      // options of `multum-view`; empty: only the BRDF
+  std::string view;                      // options of `multum-view`; if empty, only the BRDF is given
   ReachedError reached;                  // pixel error with its interval
   std::vector<FootprintError> errors;    // errors of each measured BRDF, with the shading of this row
-  double rendered = -1.0;                // error of the picture, reference with the same filter; < 0: not drawn
-  RunTime bake;                          // time of fitting or averaging, and writing; all rows share the reading
-  double frame_ms = -1.0;                // elapsed; < 0: not drawn
-  double frame_work_ms = -1.0;           // processor time if software draws, else GPU time; < 0: not drawn
+  double rendered = -1.0;                // picture error, against a reference with the same filter; < 0 if not drawn
+  RunTime bake;                          // time of fitting or averaging, and of writing; reading is shared by all rows
+  double frame_ms = -1.0;                // elapsed time; < 0 if not drawn
+  double frame_work_ms = -1.0;           // processor time if software draws, else GPU time; < 0 if not drawn
   std::uint64_t normals_file_bytes = 0;  // size on disk of the normal map, if it provides the finest levels
   std::uint64_t file_bytes = 0;          // with these
   std::uint64_t normals_bytes = 0;       // size on the GPU of the normal map, if it provides the finest levels
   std::uint64_t gpu_bytes = 0;           // with these
-  std::string picture;                   // PNG bytes; empty: not drawn
-  bool is_measured = true;               // false: another BRDF, or a formula that only the renderer has
-  bool has_error = false;             // `reached` is known; without is_measured, it is the error of the row's own BRDF
+  std::string picture;                   // PNG bytes; empty if not drawn
+  bool is_measured = true;               // false for another BRDF, or for a formula that only the renderer has
+  bool has_error = false;             // true if `reached` is known (if not is_measured, for the row's own BRDF)
   bool fits = true;                   // TradeoffJob's budgets
   std::vector<std::string> warnings;  // warnings of the bake, without the map's name
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // not beaten (mark_fronts())
@@ -63,7 +63,7 @@ struct TradeoffRow {
   bool on_front() const { return on_time_front || on_frame_front || on_size_front; }
 };
 
-/// Noise of the work of bakes and frames: relative 95 % half widths from repeated runs of the default settings.
+/// Noise of bake and frame times: relative 95 % half widths from repeated runs of the default settings.
 struct TimeNoise {
   double bake = 0.0, frame = 0.0;
 };
@@ -71,14 +71,14 @@ struct TimeNoise {
 double relative_half_width(const std::vector<double>& times);
 
 /// Marks rows on the fronts of error against the work of a bake, the work of a frame, and memory, and marks rows that
-/// are indistinguishable. A row is not on a front if another row is better in cost or error by more than their
-/// intervals, and not worse in either by more than them. Elapsed times are ignored: on a busy machine they reflect
+/// are indistinguishable. A row is not on a front if another row is better in cost or error by more than the intervals,
+/// and not worse in either by more than the intervals. Elapsed times are ignored: on a busy machine they reflect
 /// other load.
 void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise);
 
 struct TradeoffResult {
   std::vector<TradeoffRow> rows;
-  std::string reference;              // PNG bytes of the reference picture; empty: none
+  std::string reference;              // PNG bytes of the reference picture; empty if there is none
   std::string device;                 // that baked
   std::string renderer;               // that drew
   int width = 0, height = 0;          // size of the map

@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// Blinn-Phong exponent that shades files with roughness, the sharpest that the formulas are tested with. It adds no
-/// width to roughness above 0.1, and keeps mirrors finite.
+/// Blinn-Phong exponent for shading files with roughness: the sharpest exponent in the tests of the formulas. It adds
+/// no width to roughness above 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
 constexpr int kWeightCountMax = 4;  // channels of a texture
@@ -22,16 +22,16 @@ constexpr int kWeightCountMax = 4;  // channels of a texture
 struct BakedProvenance {
   std::string software;       // "multum 0.1.0"
   std::string source_name;    // file name of the normal map, without folder
-  std::string source_hash;    // SHA-256 of the normal map's file and of what other tiles gave to it
-  std::string settings;       // JSON: every setting that changes the file
+  std::string source_hash;    // SHA-256 of the normal map's file and of data from other tiles
+  std::string settings;       // JSON with every setting that changes the file
   std::string settings_hash;  // SHA-256 of `settings`
   std::string
       measured_error;        // JSON: relative L1 error of file against source (docs/evidence/ACCURACY.md); may be empty
   std::string content_hash;  // of all channel values (docs/reference/file_format.md, "Checksum"); set
                              // by write and read
-  std::string reading = {};  // JSON: what was found in the source's files; empty in files of older programs
+  std::string reading = {};  // JSON with findings about the source's files; empty in files of older programs
   std::string source_file_hash = "";  // SHA-256 of the normal map's file if source_hash covers more; otherwise empty
-  std::string source_tiles = "";      // JSON: what other tiles of the map's set gave to this tile; may be empty
+  std::string source_tiles = "";      // JSON with data from other tiles of the map's set; may be empty
 
   const std::string& file_hash() const { return source_file_hash.empty() ? source_hash : source_file_hash; }
 };
@@ -43,7 +43,7 @@ struct BakedHeader {
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   BakedProvenance provenance;
-  int width = 0, height = 0;  // of the map (level 0)
+  int width = 0, height = 0;  // size of the map (level 0)
   int first_level = 0;        // the finest stored level, 0..level_count() - 1
   bool has_colours = false;
   int weight_count = 0;  // linear blend weights of basis BRDFs, 0..kWeightCountMax
@@ -53,11 +53,11 @@ struct BakedHeader {
   float mean_cosine = 1.0f;  // mean of c over the map; diffuse light is divided by it
 
   int level_count() const;
-  /// Value of multum:formatVersion. Programs that know neither weights nor roughness refuse the file.
+  /// Value of multum:formatVersion. Programs that do not support weights or roughness reject the file.
   int format_version() const;
 };
 
-/// Treatment of texels whose checksums do not match: kRefuse throws, kReport lists their places for `multum
+/// Treatment of texels with wrong checksums: kRefuse throws, kReport lists the places of the texels for `multum
 /// verify`.
 enum class TexelCheck { kRefuse, kReport };
 
@@ -67,10 +67,10 @@ struct BakedWriteOptions {
   int tile_size = 128;
   int threads = 2;
   // Room in the header for provenance.measured_error, which is known only after all rows are written
-  // (MovmfWriter::commit()). A bake makes at most 16 levels; with colours their errors take 28 KiB (test
+  // (MovmfWriter::commit()). A bake makes at most 16 levels; the errors of these levels with colours need 28 KiB (test
   // AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
   int measured_error_bytes = 32 * 1024;
-  bool is_checked = true;  // false: writes files that `multum verify` refuses, for tests of it
+  bool is_checked = true;  // false for files that `multum verify` rejects, which its tests need
 };
 
 /// Lists the compressions that BakedWriteOptions accepts.
@@ -84,7 +84,7 @@ void validate(const BakedWriteOptions& options);
 int mip_level_count(int width, int height);
 inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
 
-/// Copies the values of some texels. `values` holds `texel_count` texels with equally many values each.
+/// Copies the values of some texels. `values` holds `texel_count` texels with the same number of values each.
 template <typename Value>
 std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel_count, std::size_t first,
                              std::size_t end) {
@@ -94,10 +94,10 @@ std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel
   return {at(first), at(end)};
 }
 
-/// Returns "7 levels" if all are stored; otherwise "levels 1 to 6 of 0 to 6" or "level 6 of 0 to 6".
+/// Returns "7 levels" if all levels are stored; otherwise "levels 1 to 6 of 0 to 6" or "level 6 of 0 to 6".
 std::string levels_text(int first_level, int level_count);
 
-/// Lists what texels hold in addition to normals, as in " with colours, 2 weights and roughness"; may be empty.
+/// Lists the contents of texels in addition to normals, such as " with colours, 2 weights and roughness"; may be empty.
 std::string materials_text(const BakedHeader& header);
 
 /// Reads the header of a file of any representation, which is cheap for files of any size. Throws Error(kInput) naming

@@ -37,7 +37,7 @@ Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const B
   header.setType(Imf::TILEDIMAGE);
   header.compression() = choice.compression;
   if (choice.zip_level > 0) header.zipCompressionLevel() = choice.zip_level;
-  header.lineOrder() = Imf::RANDOM_Y;  // OpenEXR writes tiles as they become ready and holds none back
+  header.lineOrder() = Imf::RANDOM_Y;  // OpenEXR writes tiles as soon as they are ready and keeps none in memory
   const auto tile = static_cast<unsigned>(options.tile_size);
   const auto levels = part.is_one_level ? Imf::ONE_LEVEL : Imf::MIPMAP_LEVELS;
   header.setTileDescription(Imf::TileDescription(tile, tile, levels, Imf::ROUND_DOWN));
@@ -58,7 +58,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
   header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
   header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
-  if (baked.format_version() > info.version) {  // otherwise, bytes as older programs wrote them
+  if (baked.format_version() > info.version) {  // otherwise, the bytes are equal to those of older programs
     header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
     header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
     header.insert("multum:meanCosine", Imf::FloatAttribute(baked.mean_cosine));
@@ -81,7 +81,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
 // Removes the trailing spaces that fill unused room.
 std::string trimmed(const std::string& text) { return text.substr(0, text.find_last_not_of(' ') + 1); }
 
-// Joins names, as in "snorm16, half or float".
+// Joins names into a list such as "snorm16, half or float".
 std::string in_words(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)

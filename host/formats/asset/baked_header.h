@@ -23,13 +23,14 @@ struct BakedChannel {
   Imf::PixelType type;
 };
 
-/// A part: writer, reader and checksum share this description (docs/reference/file_format.md, "Parts and channels").
+/// A part of the file. Writer, reader and checksum share this description (docs/reference/file_format.md, "Parts and
+/// channels").
 struct BakedPart {
   std::string name;
   std::vector<BakedChannel> channels;  // in the order of values in memory (interleaved) and in the checksum
   int first_level;                     // a level of the map
   int level_count;
-  bool is_one_level;  // tiles of one level, no mip levels
+  bool is_one_level;  // true for tiles of one level, without mip levels
   std::string channels_text;
 
   bool has_level(int level) const { return level >= first_level && level < first_level + level_count; }
@@ -40,13 +41,13 @@ struct BakedPart {
 std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
                                             const BakedWriteOptions& options);
 
-/// Reads everything but pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
+/// Reads everything except pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
 /// what was expected.
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path);
 /// Reads the header of a file that must have one representation.
 BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);
 
-/// Parts of mean colours and of mean weights of basis BRDFs, for representations whose texels are averages.
+/// Return the parts with mean colours and mean weights of basis BRDFs, for representations whose texels are averages.
 BakedPart mean_colour_part(const BakedHeader& header);
 BakedPart mean_weights_part(const BakedHeader& header);
 

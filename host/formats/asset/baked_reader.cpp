@@ -38,7 +38,7 @@ void put_row(const unsigned char* from, bool is_half, std::size_t width, float* 
 
 }  // namespace
 
-// Whole rows of tiles of one level of a part.
+// Complete rows of tiles of one level of a part.
 struct BakedReader::TileRows {
   std::size_t part;
   int level;  // a level of the map

@@ -21,24 +21,24 @@ namespace multum {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class BakedReader {
  public:
-  /// Throws Error(kInput) naming the file. `threads` decompress; 0: one per core.
+  /// Throws Error(kInput) naming the file. Decompresses with `threads` threads; 0 means one per core.
   BakedReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse);
 
   const std::string& path() const { return path_; }
   int threads() const { return threads_; }
   const Imf::MultiPartInputFile& file() const { return *file_; }
-  /// Height of one row of tiles. Reads that begin at a multiple of it and take a multiple of it decompress no row
-  /// twice.
+  /// Height of one row of tiles. Reads that begin at a multiple of this height and cover a multiple of it decompress no
+  /// row twice.
   int tile_size() const { return tile_size_; }
 
-  /// Tells the reader what the file holds, by its header; call it once, before reading rows. Throws Error(kInput) if
-  /// the parts differ, or if a tile is misplaced or cut short.
+  /// Tells the reader the contents of the file, given its header. Call it once, before reading rows. Throws
+  /// Error(kInput) if the parts differ, or if a tile is misplaced or cut short.
   void expect(const BakedHeader& header, std::vector<BakedPart> parts);
   /// Reads some rows of a level of a part as interleaved floats. Writes every value or throws Error(kInput), naming
   /// the tile that cannot be unpacked or the row of tiles whose checksum differs. A file of an older program has only
   /// one checksum, so the first call reads the whole file.
   void read_values(std::size_t part, int level, int first_row, int row_count, float* values);
-  /// Rows found by TexelCheck::kReport, as "part lobe.1, level 3, texel rows 0 to 127".
+  /// Rows found by TexelCheck::kReport, such as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const { return changed_rows_; }
 
   /// Converts exceptions of OpenEXR to Error.
@@ -67,14 +67,14 @@ class BakedReader {
   const std::string path_;
   const int threads_;
   const TexelCheck check_;
-  std::unique_ptr<ExrInputStream> stream_;  // of the file; outlives `file_`
+  std::unique_ptr<ExrInputStream> stream_;  // stream of the file; outlives `file_`
   std::unique_ptr<Imf::MultiPartInputFile> file_;
   int tile_size_ = 1;
   BakedHeader header_;
   std::vector<BakedPart> parts_;
   std::unique_ptr<ExrChunks> chunks_;
-  std::unique_ptr<RowChecksums> row_checksums_;  // null: the file has no checksums of rows
-  bool is_content_checked_ = false;              // the only checksum of a file without row checksums
+  std::unique_ptr<RowChecksums> row_checksums_;  // null if the file has no checksums of rows
+  bool is_content_checked_ = false;              // set once a file without row checksums was checked
   std::vector<std::string> changed_rows_;
 };
 
@@ -83,7 +83,8 @@ class BakedRowHash {
  public:
   explicit BakedRowHash(const std::vector<BakedPart>& parts);
 
-  /// Adds the next rows of a level of a part, interleaved. Several threads may add different parts and levels.
+  /// Adds the next rows of a level of a part, interleaved. Several threads may add different parts and levels at the
+  /// same time.
   void add(std::size_t part, int level, const float* values, std::size_t value_count);
   std::string finish();
 

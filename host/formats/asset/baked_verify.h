@@ -10,7 +10,7 @@ namespace multum {
 struct VerifyFinding {
   std::string check;  // "finite", "sum of a", ...
   bool passed;
-  std::string detail;  // what was found, where, and what was expected
+  std::string detail;  // the value found, its place, and the expected value
 };
 
 /// Calls verify_movmf(), verify_moments(), verify_sh() or verify_pyramid(), according to the file's header. Throws

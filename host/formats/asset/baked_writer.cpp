@@ -40,7 +40,7 @@ using Portion = std::unique_ptr<const BakedRows>;
 // First-in-first-out queue for one producer and one consumer.
 class PortionQueue {
  public:
-  /// Waits for room. An empty queue takes a portion of any size.
+  /// Waits for room. An empty queue accepts a portion of any size.
   void put(Portion portion) {
     const std::size_t bytes = portion->bytes();
     std::unique_lock<std::mutex> lock(mutex_);
@@ -85,8 +85,8 @@ struct PartLevel {
 
 struct Level {
   int width, height;
-  int rows_accepted = 0;  // counted by the caller's thread
-  int rows_written = 0;   // counted by the writer's thread, like rows_waiting
+  int rows_accepted = 0;  // rows counted by the caller's thread
+  int rows_written = 0;   // rows counted by the writer's thread, like rows_waiting
   int rows_waiting = 0;   // in PartLevel::values
   std::vector<std::unique_ptr<PartLevel>> parts;
 };
@@ -145,7 +145,7 @@ class BakedWriter::Work {
     const int with_error = fill_in_attribute(file_, kMeasuredErrorAttribute, measured_error);
     const int with_hash = fill_in_attribute(file_, kContentHashAttribute, content_hash_);
     const int with_rows = fill_in_attribute(file_, kRowChecksumsAttribute, row_checksums_.text());
-    // Comes last, because it covers all other attributes as the file stores them.
+    // The header checksum comes last, because it covers all other attributes in their stored form.
     const int with_header = fill_in_attribute(file_, kHeaderHashAttribute, header_hash_text(file_.open_path()));
     MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()) && with_rows == 1 && with_header == 1);
     progress_advance(progress, 0);  // the last chance to cancel
@@ -167,7 +167,7 @@ class BakedWriter::Work {
     }
   }
 
-  // Refuses to publish a file that its reader would refuse.
+  // Throws if the file's reader would reject the file, so that the file is not published.
   void check(const std::vector<VerifyFinding>& findings) const {
     for (const VerifyFinding& finding : findings)
       if (!finding.passed && options_.is_checked)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a baked file of any representation from rows while the bake goes on. A separate thread collects rows into
+// Writes a baked file of any representation from rows while the bake continues. A separate thread collects rows into
 // rows of tiles, hashes them, and has OpenEXR compress them. Only unfinished rows of tiles stay in memory. Only
 // host/formats/asset uses this header; bakes use MovmfWriter, MomentWriter and ShWriter.
 #pragma once
@@ -18,20 +18,20 @@
 
 namespace multum {
 
-/// Whole rows of one level. Each representation defines what they hold.
+/// Complete rows of one level. Each representation defines their contents.
 class BakedRows {
  public:
   virtual ~BakedRows() = default;
   virtual int level() const = 0;
   virtual int height() const = 0;
-  /// Bytes that the rows take while they wait in the queue.
+  /// Memory of the rows while they wait in the queue.
   virtual std::size_t bytes() const = 0;
   /// Checks (MULTUM_CHECK) that all values of a level of this width are present.
   virtual void check_sizes(int level_width) const = 0;
   /// Copies the values of `count` texels from texel `first` of the rows, as the part's channels, interleaved. Runs in
   /// the writer's thread.
   virtual void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const = 0;
-  /// Checks every texel as `multum verify` does; the rows begin at row `first_row` of their level. Runs in the
+  /// Checks every texel like `multum verify`; `first_row` is the first of these rows in their level. Runs in the
   /// writer's thread.
   virtual void scan(int first_row) const = 0;
 };

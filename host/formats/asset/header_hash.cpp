@@ -20,14 +20,15 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kDigitsOfOne = 8;  // of one attribute's digest, to name what changed
+constexpr std::size_t kDigitsOfOne = 8;  // digits of one attribute's digest, which identify a changed attribute
 
 struct HeaderAttribute {
   int part;
   std::string name, type, value;
 };
 
-// Returns attributes sorted by part, then by name. Equal names, which no writer makes, stay in the file's order.
+// Returns attributes sorted by part, then by name. Attributes with equal names, which no writer makes, stay in the
+// file's order.
 std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   ByteFile file(path);
   std::vector<HeaderAttribute> attributes;
@@ -40,7 +41,8 @@ std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   return attributes;
 }
 
-// Compression changes no value: the checksum, like that of the pixels, stays valid for a recompressed file.
+// Compression changes no value. The header checksum therefore stays valid for a recompressed file, like the checksum of
+// the pixels.
 bool is_covered(const HeaderAttribute& attribute) {
   return attribute.name != "compression" && (attribute.part > 0 || attribute.name != kHeaderHashAttribute);
 }
@@ -83,7 +85,7 @@ std::set<std::string> differing_names(const std::string& found, const std::strin
   return names;
 }
 
-// Recognizes the checksum even if its name or type is damaged; otherwise such a file would pass for one without
+// Recognizes the checksum even if its name or type is damaged; otherwise the file would count as a file without a
 // checksum. No other attribute holds such text.
 bool looks_like_it(const HeaderAttribute& attribute) {
   return attribute.name == kHeaderHashAttribute || attribute.value.find(" multum:representation=") != std::string::npos;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checksum of a baked file's headers (docs/reference/file_format.md, "Header checksum"). The checksum of pixels covers
-// no attribute, so a damaged attribute (the sharpest kappa, the source's hash, the measured errors) would be believed.
-// Only host/formats/asset uses this header.
+// no attribute, so damage to an attribute (the sharpest kappa, the source's hash, the measured errors) would not be
+// noticed. Only host/formats/asset uses this header.
 #pragma once
 
 #include <string>
@@ -12,7 +12,8 @@ namespace multum {
 
 // Only in the first part, because it covers all parts.
 constexpr char kHeaderHashAttribute[] = "multum:headerHash";
-// Room for the checksum's text: 64 digits, and 10 bytes plus the name for each attribute. A file of lobes takes 880.
+// Room for the checksum's text: 64 digits, and 10 bytes plus the name for each attribute. A file of lobes needs 880
+// bytes.
 constexpr int kHeaderHashBytes = 2048;
 
 /// Returns the text for the attribute, computed from the file's headers. Throws Error(kInput) if the headers are cut

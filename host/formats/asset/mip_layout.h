@@ -10,7 +10,7 @@ namespace multum {
 
 struct MipLevelPlace {
   int width = 1, height = 1;
-  int offset = 0;  // of the level's first texel
+  int offset = 0;  // offset of the level's first texel
 };
 
 struct MipLayout {
@@ -34,7 +34,7 @@ struct MipLayout {
     return l;
   }
   /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest. The parent
-  /// is the texel above in the next coarser level; the last texel of an odd side takes the parent of its neighbour.
+  /// is the texel above in the next coarser level; the last texel of an odd side has the same parent as its neighbour.
   template <typename Visit>
   void for_each_child(std::size_t level, const Visit& visit) const {
     const MipLevelPlace &fine = levels[level], &coarse = levels[level + 1];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table of the representations of normals that a baked file may hold. Code asks this table, and does not test for
-// single representations. A new representation needs a name (host/foundation/parameters/parameter_choices.h), a row
+// Lists the representations of normals that a baked file can hold. Code uses this table instead of tests for single
+// representations. A new representation needs a name (host/foundation/parameters/parameter_choices.h), a row
 // here, and a row in each other table: bakes (host/bakes/bake/ndf_bake.cpp), estimates
 // (host/bakes/scene/map_planner.cpp), `multum info` (tools/multum/file_commands.cpp) and the viewer
 // (tools/multum_view/baked_map.cpp).
@@ -30,19 +30,19 @@ struct RepresentationInfo {
   Representation representation;
   const char* option;                      // of --ndf
   const char* name;                        // attribute multum:representation
-  int version;                             // attribute multum:formatVersion; with materials, one higher
+  int version;                             // attribute multum:formatVersion; one higher for files with materials
   std::vector<StorageEncoding> encodings;  // allowed encodings, the default first
   const char* help;                        // description in one line
   const char* contents;                    // contents of a texel, such as "planar Gaussians"
   const LobeFamily* lobes;                 // the family of lobes (lobes/lobe_family.h); null: no lobes
-  bool has_kappa;                          // mean vectors' lengths give each lobe's kappa, as GGX and exports need
-  bool has_order;                          // an order sets the number of values per texel (--sh-order)
-  bool has_slopes;                         // moments of slopes, which several models shade (--moments)
-  bool takes_every_brdf;                   // false: only one highlight of one width (Tan's) under directional light
+  bool has_kappa;                          // lengths of mean vectors give each lobe's kappa, for GGX and exports
+  bool has_order;                          // true if an order sets the number of values per texel (--sh-order)
+  bool has_slopes;                         // true for moments of slopes, which several models shade (--moments)
+  bool takes_every_brdf;                   // false if it has only Tan's highlight of one width, under directional light
   // Number of four-channel textures, without textures for colours and weights.
   int (*value_textures)(const TexelCounts& counts);
-  int (*mean_count)(const TexelCounts& counts);  // numbers that one pass over the map averages, without features
-  // Header, findings and GPU bytes of a file. All throw Error(kInput) for a broken file.
+  int (*mean_count)(const TexelCounts& counts);  // number of values that a pass over the map averages, without features
+  // Return the header, findings and GPU bytes of a file. All three throw Error(kInput) for a broken file.
   BakedHeader (*read_header)(const std::string& path);
   std::vector<VerifyFinding> (*verify)(const std::string& path, int threads);
   std::uint64_t (*gpu_bytes)(const std::string& path);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checksums of rows of tiles in a baked file's header. They show whether some rows are intact without reading the
-// others, and which rows are damaged (docs/reference/file_format.md, "Checksum"). Only host/formats/asset uses this
+// Holds checksums of rows of tiles in a baked file's header. They show which rows are damaged, and whether some rows
+// are intact without reading the others (docs/reference/file_format.md, "Checksum"). Only host/formats/asset uses this
 // header.
 #pragma once
 
@@ -18,13 +18,14 @@ constexpr char kRowChecksumsAttribute[] = "multum:rowChecksums";
 
 class RowChecksums {
  public:
-  /// For a file with tiles of this height. Digits are spaces until they are set.
+  /// Makes the text for a file with tiles of this height. Digits are spaces until they are set.
   RowChecksums(const BakedHeader& header, const std::vector<BakedPart>& parts, int tile_size);
 
   /// The attribute's text: the height of tiles, as in "  128 ", then 16 digits per row of tiles. Parts, levels and
   /// rows come in order.
   const std::string& text() const { return text_; }
-  /// Takes the text of a file. Returns false if it is for other tiles, as after a program has tiled the file again.
+  /// Takes the text of a file. Returns false if the text is for other tiles, for example after a program has tiled the
+  /// file again.
   bool take(const std::string& text);
 
   /// Sets the checksum of one row of tiles; `values` are all its rows of texels, interleaved.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filter through which renderers should read baked files, and through which errors are measured. It takes up to N
+// The filter with which renderers should read baked files, and with which errors are measured. It makes up to N
 // trilinear lookups ("taps") along the longer axis of a pixel's footprint, with a level bias.
 // runtime_gl/shaders/common/texture_filter.glsl explains the formulas; docs/evidence/FILTER.md shows how the defaults
 // were chosen.
@@ -23,7 +23,7 @@ struct TapFilter {
 
   /// Number of taps N for a footprint with these sides, in texels of level 0.
   int tap_count(double longer, double shorter) const {
-    constexpr double kRounding = 1e-3;  // as in the shader, so that a ratio rounded from 2 gives two taps
+    constexpr double kRounding = 1e-3;  // rounding as in the shader, so that a ratio of about 2 gives two taps
     const double ratio = std::min(longer / std::max(shorter, 1e-20), static_cast<double>(taps_max));
     return std::max(static_cast<int>(std::ceil(ratio - kRounding)), 1);
   }
@@ -33,7 +33,7 @@ struct TapFilter {
     const double width = count == 1 ? longer : std::max(shorter, longer / count * std::exp2(-kTapOverlap));
     return std::log2(std::max(width, 1e-15)) + level_bias;
   }
-  /// Place of tap i (from 0) of `count` along the longer axis: -1/2 to 1/2.
+  /// Returns the place of tap i (from 0) of `count` taps along the longer axis: -1/2 to 1/2.
   static double place(int i, int count) { return (i + 0.5) / count - 0.5; }
 };
 

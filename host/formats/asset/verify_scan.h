@@ -20,7 +20,7 @@ struct TexelPlace {
   int band = -1;  // of spherical harmonics; < 0: none
 };
 
-/// The texel with the largest excess over the tolerance. `value` <= 0: no texel exceeds it.
+/// The texel with the largest excess over the tolerance. If `value` <= 0, no texel exceeds the tolerance.
 struct WorstTexel {
   double value = 0.0;
   TexelPlace place;
@@ -32,11 +32,11 @@ struct WorstTexel {
   std::string text() const;
 };
 
-/// Its detail is `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
+/// Returns a finding with the detail `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
 VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
                              const std::string& bad);
 VerifyFinding structure_finding(const BakedHeader& header, const std::string& kind);
-/// `changed` lists the rows whose own checksum differs, as BakedReader names them.
+/// `changed` lists the rows with a wrong checksum, in BakedReader's words.
 VerifyFinding checksum_finding(const std::string& hash, const std::string& expected,
                                const std::vector<std::string>& changed);
 VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what);

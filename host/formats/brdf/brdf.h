@@ -16,13 +16,13 @@ struct MeasuredBrdf;
 
 struct Brdf {
   BrdfKind kind = BrdfKind::kBlinnPhong;
-  // Members of families; each family ignores the members of others.
+  // Members of all families; each family ignores the members of other families.
   float exponent = 100.0f, sigma = 0.1f, roughness = 0.5f;
   glm::vec3 f0{0.04f};       // F at normal incidence
-  int term_count = 4;        // number of vMFs in the sum that BrdfFit::kSum fits to f, over lobes: 1..4
+  int term_count = 4;        // number of vMFs in the sum that BrdfFit::kSum fits to f for shading lobes: 1..4
   glm::vec3 diffuse{0.5f};   // k_d
   glm::vec3 specular{0.1f};  // k_s
-  // Replaces F for surfaces whose v.h varies little (host/formats/brdf/fresnel.h). Only for lights, not for
+  // Replaces F for surfaces whose v.h varies little (host/formats/brdf/fresnel.h). Used only for lights, not for
   // environments.
   std::optional<glm::vec3> fixed_fresnel = {};
   std::shared_ptr<const MeasuredBrdf> measured;
@@ -45,7 +45,7 @@ inline float width_of(const Brdf& brdf) {
   return family.has_width() ? brdf.*kBrdfNumbers[static_cast<std::size_t>(family.members[0].field)] : 0.0f;
 }
 
-/// Returns whether f over lobes is a fitted sum of vMFs, because no single vMF or Gaussian is close to f.
+/// Returns whether f convolved with lobes is a fitted sum of vMFs, because no single vMF or Gaussian is close to f.
 inline bool is_vmf_sum(const Brdf& brdf) { return family_of(brdf).fit == BrdfFit::kSum; }
 
 inline float ggx_alpha(const Brdf& brdf) { return brdf.roughness * brdf.roughness; }

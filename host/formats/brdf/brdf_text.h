@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses a BRDF as options name it: lambert, blinn-phong:100, torrance-sparrow:0.1, cook-torrance:0.1,0.04, ggx:0.4,
-// ggx:0.4,0.04, or the file of a measured BRDF.
+// Parses a BRDF in the form that options use: lambert, blinn-phong:100, torrance-sparrow:0.1, cook-torrance:0.1,0.04,
+// ggx:0.4, ggx:0.4,0.04, or the file of a measured BRDF.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ bool is_brdf_file(const std::string& text);
 std::string brdf_text(const Brdf& brdf, const std::string& measured_file);
 
 /// Say why errors of the BRDF cannot be measured, or why an environment cannot light it: what was found and what was
-/// expected. Empty if possible.
+/// expected. Return an empty text if there is no obstacle.
 std::string measuring_refusal(const Brdf& brdf);
 std::string environment_refusal(const Brdf& brdf);
 

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// Nodes and weights of Gauss-Legendre quadrature on [-1, 1] with 8 points; one half of each.
+// Half of the nodes and weights of Gauss-Legendre quadrature on [-1, 1] with 8 points.
 constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 
@@ -38,8 +38,8 @@ glm::dvec3 facet_total(const Brdf& brdf) {
   return integrate_zonal([&](double e) { return facet_density(brdf, e); });
 }
 
-// Panels start at e = 1e-12 and double in width, so they resolve every wider f, wherever its tail goes. Densities of
-// the hemisphere end at e = 1, where two panels meet.
+// Panels start at e = 1e-12 and double in width, so they resolve every wider f with any tail. Densities of the
+// hemisphere end at e = 1, where two panels meet.
 glm::dvec3 integrate_zonal(const std::function<glm::dvec3(double)>& f) {
   glm::dvec3 sum(0.0);
   double begin = 0.0;

@@ -14,7 +14,7 @@ namespace multum {
 /// Returns the mean of the channels.
 inline double mean_channel(const glm::dvec3& channels) { return (channels.x + channels.y + channels.z) / 3.0; }
 
-/// Returns f per solid angle. e = 1 - n.h, 0..2; a narrow f needs e, because n.h would lose precision.
+/// Returns f per solid angle. e = 1 - n.h, 0..2, is used because n.h would lose precision for a narrow f.
 glm::dvec3 facet_density(const Brdf& brdf, double e);
 
 /// Returns the exponent of an equally wide Blinn-Phong. The variance of slopes along each axis is 1 / exponent.

@@ -21,7 +21,7 @@ glm::dvec3 fresnel(const Brdf& brdf, double v_h);
 /// largest F is equal.
 struct FixedFresnel {
   glm::dvec3 value{1.0};
-  double change = 0.0;  // largest relative change of the highlight or the diffuse part in any channel
+  double change = 0.0;  // largest relative change, in any channel, of the highlight or of the diffuse part
 };
 FixedFresnel fixed_fresnel(const Brdf& brdf, double v_h_min);
 

@@ -9,8 +9,8 @@
 //   S(t)                         facets end at the horizon, and a lobe blurs the end: smoothstep(-w, w, t),
 //                                w^2 = 4.5 d / (1.001 - d), d / (1 - d) near 1 / kappa
 //
-// P, B, delta and gamma depend smoothly on alpha / s (1 for a single normal, 0 for a mirror) and on s (how close the
-// horizon is). The build fits them to quadrature once (ggx_lobe_fit); tests/gl/ggx_lobe_test bounds the error. This
+// P, B, delta and gamma depend smoothly on alpha / s (1 for a single normal, 0 for a mirror) and on s (the distance to
+// the horizon). The build fits them to quadrature once (ggx_lobe_fit); tests/gl/ggx_lobe_test bounds the error. This
 // form is not from a paper.
 #pragma once
 
@@ -32,7 +32,7 @@ double vmf_scatter(double d);
 /// Returns D per solid angle. `alpha`: roughness^2, 0..1. `spread`: d, 0..1. `e`: 0..2.
 double ggx_lobe_density(const GgxLobeShape& shape, double alpha, double spread, double e);
 
-/// Position of a shape in the table: columns by alpha / s, rows by s / sqrt(3), both 0..1, at texel centres.
+/// The table has columns by alpha / s and rows by s / sqrt(3), both 0..1, at texel centres.
 constexpr int kGgxLobeTableSide = 32;
 
 /// Returns half floats [row][column][4]: P / pi, B, delta, -gamma, for a texture with linear filtering and clamping.

@@ -20,9 +20,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kSide = kGgxLobeTableSide;
 constexpr double kPull = 0.06;      // weight of a logarithm's difference from the neighbours' mean
 constexpr int kSweepCount = 3;      // after the first sweep, in which a cell has only two neighbours
-constexpr double kWidthMin = 0.01;  // smallest s: below, shapes no longer depend on s
+constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes no longer depend on s
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
-constexpr double kLeastPart = 1e-6;  // of the largest value; smaller values get no more weight
+constexpr double kLeastPart = 1e-6;  // share of the largest value below which values get no more weight
 
 // Gauss-Legendre quadrature on [-1, 1].
 struct Rule {
@@ -33,7 +33,7 @@ Rule gauss_legendre(int count) {
   Rule rule;
   for (int i = 0; i < count; ++i) {
     double x = std::cos(kPi * (i + 0.75) / (count + 0.5)), slope = 0.0;
-    for (int step = 0; step < 50; ++step) {  // Newton; converges in five steps
+    for (int step = 0; step < 50; ++step) {  // Newton's method, which converges in five steps
       double p = 1.0, before = 0.0;
       for (int j = 0; j < count; ++j) before = std::exchange(p, ((2 * j + 1) * x * p - j * before) / (j + 1));
       slope = count * (x * p - before) / (x * x - 1.0);
@@ -76,7 +76,7 @@ Cell cell_of(std::size_t row, std::size_t column) {
   static const Rule rule = gauss_legendre(6);
   const double s = std::max(std::numbers::sqrt3 * static_cast<double>(row) / (kSide - 1), kWidthMin);
   const double part = static_cast<double>(column) / (kSide - 1);
-  // alpha and d end at 1, but a filter also reads the texels beyond.
+  // alpha and d end at 1, but a filter also reads texels beyond these ends.
   const double alpha = std::min(part * s, 1.0);
   Cell cell{std::max(alpha, 1e-4 * s), std::clamp(0.5 * (s * s - alpha * alpha), kSpreadMin, kSpreadMax), {}, {}, {}};
   const double kappa = vmf_kappa(cell.spread);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Highlight of GGX over a vMF lobe of normals as renderers draw it, in double precision. Follows
+// Computes the highlight of GGX convolved with a vMF lobe of normals in double precision, as renderers draw it. Follows
 // multum_movmf_ggx_specular() of runtime_gl/shaders/brdf/ggx_lobe.glsl step by step (tests/gl/ggx_lobe_test compares
 // the two).
 #pragma once

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measured BRDF in factors (Han et al. 2007, section 4): rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d). k_d
-// and f have one value per channel. theta_h: angle of half vector and normal; theta_d: angle of half vector and light.
+// and f have one value per channel. theta_h is the angle between half vector and normal; theta_d is the angle between
+// half vector and light.
 #pragma once
 
 #include <numbers>
@@ -21,8 +22,8 @@ struct MeasuredBrdf {
   std::string name;
   glm::dvec3 diffuse;               // k_d: albedo
   std::vector<glm::dvec3> facets;   // f at kFacetTableSize angles
-  std::vector<double> differences;  // g at kDifferenceTableSize angles, 1 on average
-  double relative_error;            // error of the factors, as relative L1 of rho times its cosine
+  std::vector<double> differences;  // g at kDifferenceTableSize angles, with a mean of 1
+  double relative_error;            // error of the factors: relative L1 of rho times its cosine
 };
 
 /// Interpolates f linearly in the table's index; e = 1 - n.h.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Alternating least squares: f given g, then g given f, each as a weighted quotient. It minimizes the sum over cells
 // and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the solid angles of both angles
-// times their cosines. So neither the peak nor the rest is neglected. f may not grow with theta_h; growing neighbours
-// are replaced by their weighted mean. Facets do not grow, a sum of vMFs around h cannot, and pooling smooths a
-// thousand scattered samples. All channels share one g, because three g with few samples each drew rainbows. k_d / pi
-// is the mean of rho outside the highlight (theta_h of 45 to 75 degrees, theta_d below 45), and at most the mean of
-// all cells.
+// times their cosines. So neither the peak nor the other cells are neglected. f may not grow with theta_h; growing
+// neighbours are replaced by their weighted mean. Facet distributions do not grow, a sum of vMFs around h cannot grow,
+// and pooling smooths a thousand scattered samples. All channels share one g, because three separate g with few samples
+// each caused coloured fringes. k_d / pi is the mean of rho outside the highlight (theta_h of 45 to 75 degrees, theta_d
+// below 45), and at most the mean of all cells.
 #include "host/formats/brdf/measured_factors.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ double theta_of_column(int column) { return kHalfPi * column / (kColumns - 1); }
 
 std::size_t index(int row, int column) { return static_cast<std::size_t>(row * kColumns + column); }
 
-// Fills entries without measurements: linear between neighbours, constant beyond the last.
+// Fills entries without measurements: linearly between neighbours, and constantly beyond the last measured entry.
 void fill(std::vector<double>& values, const std::vector<bool>& known) {
   int before = -1;
   const int count = static_cast<int>(values.size());
@@ -110,7 +110,7 @@ void improve_differences(const std::vector<Cell>& cells, MeasuredBrdf& brdf) {
     below[cell.column] += glm::dot(cell.weight * f, f);
   }
   brdf.differences = quotients(above, below);
-  // Scales g to a mean of 1 over the difference angles that are measured well.
+  // Scales g to a mean of 1 over the difference angles with many measurements.
   double level = 0.0;
   for (int i = 0; i < 2 * kColumns / 3; ++i)
     level += brdf.differences[static_cast<std::size_t>(i)] / (2 * kColumns / 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads measured BRDFs from files, as factors. The content tells three formats apart:
+// Reads measured BRDFs from files, as factors. The content distinguishes three formats:
 //   text      .brdf of pbrt-v2: a count of wavelengths, the wavelengths (nm), then samples: theta_i phi_i theta_s phi_s
 //             (radians) and one value per wavelength; # begins a comment
 //   MERL      binary (Matusik et al. 2003): int32 90, 90, 180, then doubles of red, green, blue over theta_h
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads a file. Throws Error(kInput) naming the file, what was found and what was expected.
 MeasuredBrdf read_measured_brdf(const std::string& path);
 
 }  // namespace multum

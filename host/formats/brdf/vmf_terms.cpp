@@ -3,10 +3,10 @@
 // projection: Golub and Pereyra 1973). Minimizes the sum over e of (sum_i w_i vMF_i - f)^2 / f, weighted by solid
 // angle. This relative error covers the peak and the tail of GGX, is close to relative L1, and is smooth.
 //
-// Below the horizon of h, f is 0 but a vMF is not. There, the squared error is divided by f(horizon) and multiplied
-// by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but leak below it and
-// reappear under a lobe of kappa 3. A larger weight makes the rim worse. Largest relative L1 over GGX with alpha 0.05
-// to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for 0.3, 5.9 % for 1.
+// Below the horizon of h, f is 0, but a vMF is greater than 0. In that region, the squared error is divided by
+// f(horizon) and multiplied by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but
+// leak below it and reappear under a lobe of kappa 3. A larger weight increases the error at the rim. Largest relative
+// L1 over GGX with alpha 0.05 to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for 0.3, 5.9 % for 1.
 #include "host/formats/brdf/vmf_terms.h"
 
 #include <algorithm>
@@ -26,20 +26,20 @@ constexpr double kKappaMin = 0.05;  // almost uniform over directions
 constexpr double kKappaMax = 1e7;
 constexpr int kRoundCountMax = 80;
 constexpr int kWidenCount = 4;
-constexpr double kRidge = 1e-6;  // relative to the squared weights: avoids large terms of opposite signs
+constexpr double kRidge = 1e-6;  // ridge factor for the squared weights, which avoids large terms of opposite signs
 constexpr std::array kLadderRatios = {0.2, 0.07};
 
-// A point where f is compared: `value` is f, `scale` is 1 / tolerance. e is even in its logarithm above the horizon,
-// even in e below.
+// A point where f is compared: `value` is f, `scale` is 1 / tolerance. Samples are evenly spaced in log e above the
+// horizon, and in e below the horizon.
 struct Sample {
   double e, value, scale;
-  double angle;  // solid angle; below the horizon times kHorizonWeight
+  double angle;  // solid angle, multiplied by kHorizonWeight below the horizon
 };
 
 constexpr int kUpperCount = 240, kLowerCount = 24, kCountMax = kBrdfTermCountMax;
 constexpr double kLeast = 1e-8;
 
-// Ends just above the horizon, where densities of a hemisphere end.
+// Nodes end just above the horizon, where densities of a hemisphere end.
 double node(int i) {
   return (1.0 - 1e-9) * std::exp(std::log(kLeast) * (1.0 - static_cast<double>(i) / (kUpperCount - 1)));
 }
@@ -97,7 +97,7 @@ Vector solve(Matrix a, Vector b, std::size_t n) {
 }
 
 // Returns the best weights for fixed kappas. Weights may be negative: a density that ends at the horizon, or rises
-// towards it, is a broad vMF minus another.
+// towards it, is the difference of two broad vMFs.
 Vector fit_weights(const std::vector<Sample>& samples, const std::vector<double>& rows, std::size_t n) {
   Matrix gram{};
   Vector right{};
@@ -136,8 +136,8 @@ double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas)
   return sum;
 }
 
-// Uses the fit's error as the tolerance where f is smaller than the error. Otherwise the region beyond the end of a
-// density would dominate the fit; some measured densities end at an angle.
+// If f is smaller than the fit's error, uses this error as the tolerance. Otherwise the region beyond the end of a
+// density would dominate the fit, because some measured densities end at an angle.
 void widen(Fitted& one) {
   for (std::size_t k = 0; k < one.samples.size(); ++k) {
     Sample& s = one.samples[k];
@@ -214,8 +214,8 @@ double relative_difference(const std::vector<Fitted>& channels) {
   return sum;
 }
 
-// Returns kappas that start near the peak's kappa; each is `ratio` times the previous. A density with f(0) = 0, such
-// as a sheen, has no peak; differences of broad terms make it rise.
+// Returns kappas that start near the peak's kappa; each kappa is `ratio` times the previous one. A density with f(0) =
+// 0, such as a sheen, has no peak; differences of broad terms make it rise.
 std::vector<double> ladder(const std::vector<Sample>& samples, int count, double ratio) {
   double total = 0.0;
   for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // integral of f

@@ -17,8 +17,8 @@
 namespace multum {
 namespace {
 
-// assimp must not compute tangents or join vertices. It averages tangents without weights, also across mirrored
-// charts, and merges positions closer than 1e-5, whatever the unit.
+// assimp must not compute tangents or join vertices. assimp averages tangents without weights, even across mirrored
+// charts, and merges positions closer than 1e-5 in any unit.
 constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                 aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 

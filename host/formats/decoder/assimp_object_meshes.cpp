@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flattens assimp's node tree to one object per node with triangles. Joins only equal vertices here, because assimp
-// merges positions closer than 1e-5, whatever the unit.
+// merges positions closer than 1e-5 in any unit.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>
@@ -99,7 +99,7 @@ class ObjectReader {
   const std::string& path_;
   const aiScene& scene_;
   unsigned uv_set_;
-  std::map<Vertex, std::uint32_t> vertices_;  // of the object being read
+  std::map<Vertex, std::uint32_t> vertices_;  // vertices of the current object
   std::set<std::string> names_;
 };
 

@@ -43,20 +43,20 @@ class ImportLog {
   std::string warnings_;
 };
 
-// Reports lack of memory, which is not the file's fault. assimp catches the exceptions of its readers.
+// Reports a lack of memory, which is not a fault of the file. assimp catches the exceptions of its readers.
 void rethrow_hunger(const std::string& path, const std::exception_ptr& thrown) {
   try {
     std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
     throw NotEnoughMemory(path);
-  } catch (...) {  // the error string says it
+  } catch (...) {  // the error string contains the reason
   }
 }
 
 }  // namespace
 
 MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std::make_unique<Assimp::Importer>()) {
-  open_regular_file(path);  // assimp's message would only be that it cannot open the file
+  open_regular_file(path);  // otherwise assimp would only say that it cannot open the file
   check_gltf_file(path);
   importer_->SetIOHandler(new ModelFiles(path));  // the importer owns it
   static std::mutex log_mutex;

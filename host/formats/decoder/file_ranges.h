@@ -19,8 +19,8 @@ namespace multum {
 
 class FileRanges : public OIIO::Filesystem::IOProxy {
  public:
-  /// `byte_words`: ranges with 16-bit words v * 256, presented as v * 257 (both bytes are the larger of the two).
-  /// `patches`: bytes presented instead of the file's bytes.
+  /// `byte_words`: ranges with 16-bit words `v * 256`, presented as `v * 257` (both bytes of a word become the larger
+  /// byte). `patches`: bytes presented instead of the file's bytes.
   FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {},
              std::vector<BytePatch> patches = {});
 

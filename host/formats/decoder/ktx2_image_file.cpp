@@ -70,7 +70,7 @@ class Ktx2ImageFile : public LibraryImageFile {
                                      ZSTD_isError(found) != 0 ? ZSTD_getErrorName(found) : "it has fewer"));
   }
 
-  // Decodes a row of blocks when its first row of texels is needed, and keeps it until another is needed.
+  // Decodes a row of blocks when its first row of texels is needed, and keeps it until another row of blocks is needed.
   const std::uint8_t* row_of(int y) {
     const auto width = static_cast<std::size_t>(survey_.width);
     if (!survey_.is_uastc)
@@ -100,7 +100,7 @@ class Ktx2ImageFile : public LibraryImageFile {
   std::string path_;
   Ktx2Survey survey_;
   std::vector<std::uint8_t> level_;    // decompressed: texels or blocks
-  std::vector<std::uint8_t> decoded_;  // a row of blocks as rows of RGBA
+  std::vector<std::uint8_t> decoded_;  // decoded row of blocks, as rows of RGBA
   int decoded_row_ = -1;
 };
 

@@ -31,7 +31,7 @@ static_assert(number_type::kUint64 == OIIO::TypeDesc::UINT64 && number_type::kIn
 static_assert(number_type::kHalf == OIIO::TypeDesc::HALF && number_type::kFloat == OIIO::TypeDesc::FLOAT);
 static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 
-// Joins byte ranges of a file: the file without its metadata.
+// Joins the byte ranges that form a file without its metadata.
 std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
   std::vector<unsigned char> bytes;
   RegularFileStream stream(path);
@@ -71,7 +71,7 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   const bool is_changed = container.has_metadata || !container.byte_words.empty() || !container.patches.empty();
   if (is_changed && image.input->supports("ioproxy")) leave_out_metadata(image, path, container);
   OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);  // keeps colour apart from PNG alpha, which may hold a height
+  config.attribute("oiio:UnassociatedAlpha", 1);  // keeps PNG colour separate from alpha, which may hold a height
   OIIO::ImageSpec spec;
   if (!image.input->open(path, spec, config))
     refuse_file(path, fmt::format("damaged {}: {}", container.format, image.input->geterror()));
@@ -156,7 +156,7 @@ class OiioImageFile : public LibraryImageFile {
     }
     for (int part = 0; open_.input->seek_subimage(part, 0); ++part)
       description_.parts.push_back(part_of(open_.input->spec(), container.gamma, true));
-    open_.input->geterror();  // clears the error at the last part, which is none
+    open_.input->geterror();  // clears the error after the last part, which is not a real error
   }
 
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
@@ -167,7 +167,7 @@ class OiioImageFile : public LibraryImageFile {
   }
 
  private:
-  // Checks each row only once. Rows are mostly read once, from the top, so the last checked row says what was checked.
+  // Checks each row only once. Rows are mostly read once, from the top, so the number of the last checked row suffices.
   void check_exr_rows(const PixelBlock& block) {
     const auto index = static_cast<std::size_t>(block.part);
     if (index >= exr_chunks_->parts().size()) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens image files by OpenImageIO in this process: for multum-decode, which a broken file may crash, and for tests.
+// Opens image files by OpenImageIO in this process: for multum-decode, which can crash on a broken file, and for tests.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Reads into any memory, or into its own.
+/// Reads an image into the caller's memory, or into its own memory.
 class LibraryImageFile : public ImageFile {
  public:
   virtual std::string read_into(const PixelBlock& block, std::byte* memory) = 0;

@@ -20,7 +20,7 @@ constexpr std::size_t kTexels = 16;
 struct UastcMode {
   unsigned code, code_bits, hint_bits;
   unsigned components, subsets, planes, weight_bits;
-  unsigned endpoint_bits, endpoint_base;  // values are below base << bits; base 1: only bits, 3: trits, 5: quints
+  unsigned endpoint_bits, endpoint_base;  // values are below base << bits; base 1 has only bits, 3 trits, 5 quints
 };
 
 constexpr unsigned kSolidMode = 8;
@@ -44,7 +44,8 @@ constexpr std::array<UastcMode, 19> kUastcModes = {{{0x01, 4, 15, 3, 1, 1, 4, 6,
                                                     {0x25, 6, 23, 2, 1, 2, 2, 8, 1},
                                                     {0x09, 4, 15, 3, 1, 1, 5, 5, 1}}};
 
-// Seeds of ASTC's partitions: two subsets; the two subsets of mode 7, which BC7's three-subset modes also have; three.
+// Seeds of ASTC's partitions: with two subsets; with the two subsets of mode 7, which also occur in BC7's modes of
+// three subsets; with three subsets.
 constexpr std::array<unsigned, 30> kSeedsOfTwo = {28,  20,  16,  29,  91,  9,   107, 72,  149, 204,
                                                   50,  114, 496, 17,  78,  39,  252, 828, 43,  156,
                                                   116, 210, 476, 273, 684, 359, 246, 195, 694, 524};
@@ -81,7 +82,7 @@ std::uint32_t hash52(std::uint32_t p) {
   return p;
 }
 
-// 23.21, "Partition pattern generation", for a two-dimensional block with few texels.
+// Implements section 23.21, "Partition pattern generation", for a two-dimensional block with few texels.
 unsigned subset_of(unsigned seed, unsigned x, unsigned y, unsigned subsets) {
   x *= 2;
   y *= 2;
@@ -100,7 +101,8 @@ unsigned subset_of(unsigned seed, unsigned x, unsigned y, unsigned subsets) {
   return b >= c ? 1 : 2;
 }
 
-// 23.13, "Color endpoint unquantization". In `pattern`, from the highest of 9 bits, letters are bits of the value.
+// Implements section 23.13, "Color endpoint unquantization". The letters in `pattern` are bits of the value, from the
+// highest of 9 bits.
 unsigned unquantized(unsigned value, const UastcMode& mode) {
   struct Rule {
     unsigned base, bits;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces the inflate that OpenEXR calls with a faster library; the .cpp file says why.
+// Replaces the inflate that OpenEXR calls with a faster library; the .cpp file gives the reasons.
 #pragma once
 
 namespace multum {

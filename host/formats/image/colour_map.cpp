@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interprets numbers as colours. Integers follow the file's colour space ("Linear", "GammaX", otherwise sRGB, as for
+// Interprets values as colours. Integers are in the file's colour space ("Linear", "GammaX", otherwise sRGB, as for
 // untagged textures). Floats are always linear, as in OpenEXR. NaN, infinities and negative values are not
 // reflectances: they become 0 and are counted. Texels are independent, so every band is converted as soon as it is
 // read.
@@ -36,7 +36,7 @@ TransferFunction transfer_function(const RawImageInfo& image, ColourEncoding enc
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
     const double gamma = std::strtod(image.colour_space.c_str() + 5, nullptr);
-    // 2.2 is how PNG's gAMA writes sRGB (1 / 0.45455); other exponents are used unchanged.
+    // An exponent of 2.2 is sRGB in PNG's gAMA (1 / 0.45455); other exponents are used unchanged.
     if (gamma > 0.0 && std::abs(gamma - 2.2) > 0.05)
       return {fmt::format("gamma {:g}", gamma), [gamma](double v) { return std::pow(v, gamma); }};
   }
@@ -54,7 +54,7 @@ void check_albedo_size(const std::string& path, const RawImageInfo& info, int wi
                             info.width, info.height, width, height));
 }
 
-// Converts samples to linear colours; NaN where a sample is not a reflectance.
+// Converts samples to linear colours; gives NaN for a sample that is not a reflectance.
 SampleConverter linear_converter(int base_type, const TransferFunction& transfer) {
   return SampleConverter(base_type, [linear = transfer.linear_from_encoded](float v) {
     return std::isfinite(v) && v >= 0.0f ? static_cast<float>(linear(static_cast<double>(v)))
@@ -62,7 +62,7 @@ SampleConverter linear_converter(int base_type, const TransferFunction& transfer
   });
 }
 
-// Keeps the numbers; NaN where a sample is not finite.
+// Keeps the values; gives NaN for a sample that is not finite.
 SampleConverter data_converter(int base_type) {
   return SampleConverter(base_type,
                          [](float v) { return std::isfinite(v) ? v : std::numeric_limits<float>::quiet_NaN(); });

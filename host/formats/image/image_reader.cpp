@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows in bands, so that no image need fit into memory, a cut file costs only its bands, and cancelling is quick.
+// Reads rows in bands, so that images can be larger than memory, a cut file costs only the bands before the cut, and
+// cancelling is quick.
 #include "host/formats/image/image_reader.h"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ void check_flat(const std::string& path, const ImagePart& part) {
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
-// Refuses brightness with differences of colour, as OpenEXR's own programs write it: it is neither vectors nor RGB.
+// Rejects luminance/chroma images, as OpenEXR's own programs write them, because they hold neither vectors nor RGB.
 void check_no_luminance(const std::string& path, const ImagePart& part) {
   for (const std::string& name : part.channel_names)
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
@@ -64,7 +65,7 @@ int colour_channel_count(const std::string& path, const ImagePart& part) {
 }
 
 // Refuses sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate reaches at most
-// 1032:1, and DWA codes blocks of 64 texels by one number, which is then deflated. Small sizes are always accepted.
+// 1032:1, and DWA encodes blocks of 64 texels as one number, which is then deflated. Small sizes are always accepted.
 void check_plausible_size(const std::string& path, const ImagePart& part, std::int64_t file_size) {
   constexpr std::int64_t kExpansionMax = 1032 * 64;
   constexpr std::int64_t kFreeBytes = std::int64_t{64} << 20;
@@ -79,7 +80,8 @@ void check_plausible_size(const std::string& path, const ImagePart& part, std::i
 }
 
 // Workaround "WebP alpha": OpenImageIO 2.4.7's WebP reader always multiplies colour by alpha
-// (ImageReaderTest.WebpWithAlphaIsRefused), and 8 bits cannot be divided back. Opaque alpha changes nothing.
+// (ImageReaderTest.WebpWithAlphaIsRefused), and 8-bit values cannot be divided by alpha again. Opaque alpha changes
+// nothing.
 void check_webp_opaque(const std::string& path, ImageFile& file) {
   constexpr int kRows = 64;
   const ImagePart& part = file.part();
@@ -140,7 +142,7 @@ int whole_block_rows(const ImagePart& part) {
   return part.base_type == number_type::kDouble ? std::max(1, part.rows_per_strip) : 1;
 }
 
-// Returns the rows that are decoded together: if a band splits them, they may be decoded twice.
+// Returns the number of rows that are decoded together. If a band splits these rows, they can be decoded twice.
 int preferred_block_rows(const ImagePart& part, const RawImageInfo& info) {
   constexpr std::size_t kStripBytesMax = std::size_t{4} << 20;
   const int whole = whole_block_rows(part);
@@ -210,7 +212,7 @@ void ImageReader::State::read(const std::function<void(const RawBand&)>& consume
   const auto launch = threads == 1 ? std::launch::deferred : std::launch::async;
   const std::size_t band_bytes = info.row_bytes * static_cast<std::size_t>(rows + 1);
   std::byte* const memory = file->reserve(2 * band_bytes);
-  std::future<void> consumed;  // its destructor waits while the bands still exist
+  std::future<void> consumed;  // the destructor of `consumed` waits while the bands still exist
   std::size_t offset = 0;
   for (int row_begin = 0; row_begin < info.height; row_begin = band_end(row_begin), offset = band_bytes - offset) {
     const int row_end = band_end(row_begin);

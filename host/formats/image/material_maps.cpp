@@ -76,8 +76,8 @@ ImageReadSettings settings_of(const SpillPolicy& spill, int threads) {
   return settings;
 }
 
-// Finds a channel by name; R, G, B and A also by position, whatever their names. Without a name, returns the only
-// channel, or the one at `default_place`; the last if there are fewer.
+// Finds a channel by name; also finds R, G, B and A by position. Without a name, returns the only channel, or the
+// channel at `default_place`, or the last channel if there are fewer.
 std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>& names,
                          std::size_t default_place = 1) {
   if (file.channel.empty()) return std::min(default_place, names.size() - 1);
@@ -94,10 +94,10 @@ std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>
 struct RoughnessSums {
   double cosine = 0.0, roughness = 0.0, least = 1.0, most = 0.0;
   std::int64_t zeros = 0, ones = 0, mirrors = 0;
-  double difference = 0.0;           // largest minus smallest of red, green and blue
+  double difference = 0.0;           // largest minus smallest value of red, green and blue
   std::array<double, 3> colour{};    // sums of values,
   std::array<double, 3> squares{};   // of squares,
-  std::array<double, 2> products{};  // and of the products green times red, green times blue
+  std::array<double, 2> products{};  // sums of the products green times red and green times blue
 
   void add(double value, double value_cosine) {
     cosine += value_cosine;
@@ -132,7 +132,7 @@ struct RoughnessSums {
   double colour_correlation(double count) const {
     const auto variance = [&](std::size_t k) { return squares[k] / count - colour[k] * colour[k] / (count * count); };
     const auto with_green = [&](std::size_t k, double product) {
-      constexpr double kVarianceMin = 1e-8;  // a tenth of a step of 8 bits, squared
+      constexpr double kVarianceMin = 1e-8;  // square of a tenth of an 8-bit step
       const double both = variance(1) * variance(k);
       return both > kVarianceMin * kVarianceMin
                  ? (product / count - colour[1] * colour[k] / (count * count)) / std::sqrt(both)
@@ -142,8 +142,8 @@ struct RoughnessSums {
   }
 };
 
-// Returns the words of a file's name in lower case. Words end at non-letters, and before a capital after a small
-// letter.
+// Returns the words of a file's name in lower case. Words end at non-letters, and between a small letter and a
+// capital.
 std::vector<std::string> words_of_name(const std::string& path) {
   std::vector<std::string> words(1);
   bool was_lower = false;
@@ -157,7 +157,8 @@ std::vector<std::string> words_of_name(const std::string& path) {
   return words;
 }
 
-// Single letters, as in "floor_s.png", count only at the end. So does "metal", which is also a material.
+// Single letters, as in "floor_s.png", count only at the end of a name. The same applies to "metal", which is also a
+// material.
 NamedMap map_of_word(const std::string& word, bool is_last) {
   struct Word {
     const char* text;
@@ -173,7 +174,7 @@ NamedMap map_of_word(const std::string& word, bool is_last) {
                                         {"g", NamedMap::kGloss},
                                         {"s", NamedMap::kSpecular},
                                         {"m", NamedMap::kMetalness}};
-  constexpr std::size_t kLong = 8;  // words of this length also match another word's end: "metallicroughness"
+  constexpr std::size_t kLong = 8;  // words of this length also match the end of longer words: "metallicroughness"
   for (const Word& one : kWords) {
     const std::string_view text = one.text;
     if (word == text || word == std::string(text) + "map" || (text.size() >= kLong && word.ends_with(text)))
@@ -195,11 +196,11 @@ const char* name_of(NamedMap map) {
   return "";
 }
 
-// Uses name and numbers together, because neither is proof.
+// Uses the name and the values together, because neither alone is proof.
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
-  // If a channel was named, it may differ from the file: gloss in the alpha of a specular map.
+  // A named channel can differ from the file's name, such as gloss in the alpha of a specular map.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
         "{}: its name says {} map, but it was given as --{}: {}", file.path, name_of(named), name_of(taken),
@@ -254,7 +255,7 @@ RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_h
   ImageReader reader(file.path, settings_of(spill, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
-  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // per row, whatever the bands
+  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // one per row, independent of bands
   std::vector<std::size_t> read = {channel};
   const bool looks_for_colours = file.channel.empty() && reader.info().channel_count >= 3;
   if (looks_for_colours) read.insert(read.end(), {0, 1, 2});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Maps of a material in addition to normals and colours: roughness, and linear blend weights of basis BRDFs (Han et
-// al. 2007, section 7.3). Their numbers are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged,
-// and values outside 0 to 1 are refused.
+// al. 2007, section 7.3). The values are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged, and
+// values outside 0 to 1 are rejected.
 //
 // Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe of mean vector
 // c n, where c is the mean cosine of those half vectors. Averages of c n over a texel then hold the spread of normals
@@ -29,12 +29,12 @@ namespace multum {
 /// Returns c(roughness) for perceptual roughness of 0 to 1: 1 to 1/2.
 double mean_cosine_of_roughness(double roughness);
 
-/// One channel of a file. `channel` is R, G, B, A or the channel's name; empty: the only one, or G of several (as in
-/// glTF).
+/// One channel of a file. `channel` is R, G, B, A or the channel's name; empty for the only channel, or for G if there
+/// are several (as in glTF).
 struct ChannelFile {
   std::string path;
   std::string channel;
-  bool is_gloss = false;  // of a roughness map: roughness = 1 - value
+  bool is_gloss = false;  // true if a roughness map holds gloss: roughness = 1 - value
 };
 /// Parses "FILE" or "FILE:CHANNEL". If the whole text names an existing file, it is a path, even with colons.
 ChannelFile parse_channel_file(const std::string& text);
@@ -43,32 +43,32 @@ ChannelFile parse_channel_file(const std::string& text);
 struct RoughnessReport {
   double mean_cosine = 1.0;                    // the mean of c
   double least = 0.0, mean = 0.0, most = 0.0;  // 0 for a map without texels
-  double share_zero = 0.0, share_one = 0.0;    // of the texels at either end
+  double share_zero = 0.0, share_one = 0.0;    // shares of texels with roughness 0 and 1
   double share_mirror = 0.0;                   // below kMirrorRoughness
-  std::vector<std::string> warnings;           // why it may not be a roughness map; with the file's name
+  std::vector<std::string> warnings;           // reasons why it may not be a roughness map, with the file's name
   /// Returns "perceptual roughness 0.08 to 1, mean 0.68; 0 % at 0, 1.2 % at 1".
   std::string to_text() const;
 };
 
 /// Kind of map that words of a file's name announce, as in "bricks_gloss.png", "bricks_s.png" and
-/// "BricksRoughness2K.png". The last word counts, except that metalness yields to any other kind, because the two are
-/// packed together.
+/// "BricksRoughness2K.png". The last word counts. Metalness counts only if no other kind is named, because metalness is
+/// packed together with other maps.
 enum class NamedMap { kUnknown, kRoughness, kGloss, kSpecular, kMetalness };
 NamedMap map_by_name(const std::string& path);
 
 /// Below this roughness, a surface is a mirror whose blur is seldom visible: alpha is 0.01.
 constexpr double kMirrorRoughness = 0.1;
 /// Specular maps are dark where a surface is dull, so most of their texels would be mirrors if read as roughness.
-/// Below kMirrorRoughness are less than 0.1 % of the texels in shared/data's three roughness maps, and 23 to 82 % in
-/// its six specular maps.
+/// In the three roughness maps of shared/data, less than 0.1 % of the texels are below kMirrorRoughness; in its six
+/// specular maps, 23 to 82 % are.
 constexpr double kMirrorShareMax = 0.1;
 /// The same limit for a file whose name agrees with its use, because polished surfaces exist. In
 /// pc_seaside-rocks01-gloss.jpg, the only gloss map of shared/data, 48 % of the texels are below kMirrorRoughness.
 constexpr double kMirrorShareMaxNamed = 0.75;
-/// Share of texels with roughness 1 that a gloss map may have: shared/data's gloss map has 0 %, three specular maps 15
-/// to 32 %.
+/// Share of texels with roughness 1 that a gloss map may have: the gloss map of shared/data has 0 %, and three specular
+/// maps have 15 to 32 %.
 constexpr double kDullShareMax = 0.1;
-/// The channels of a picture correlate and yet differ, whereas occlusion, roughness and metalness have little in
+/// The channels of a picture differ, but are correlated, whereas occlusion, roughness and metalness have little in
 /// common. The least correlation of green with red and blue is 0.84 to 0.99 in six colour maps of shared/data, and at
 /// most 0.2 in its three packed maps. The mean difference of channels is at least 0.016 in colour maps, and 0 in grey
 /// ones.
@@ -89,7 +89,7 @@ struct LobeMaterialFiles {
 struct LobeMaterial {
   PlaneStore planes;  // alpha^2 = roughness^4, occlusion, metalness; 1 without a map
   std::optional<RoughnessReport> roughness = std::nullopt;
-  std::vector<std::string> warnings = {};  // of the other maps, with the file's name
+  std::vector<std::string> warnings = {};  // warnings about the other maps, with the file's name
 };
 
 /// Reads the maps, which must have this size. Throws as shorten_by_roughness() does.
@@ -99,7 +99,7 @@ LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int h
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {
   int count = 0;
-  std::vector<PlaneStore> rgb_planes;  // as few stores of three planes as hold them; unused planes are 0
+  std::vector<PlaneStore> rgb_planes;  // the fewest stores of three planes that hold the weights; unused planes are 0
   std::vector<std::string> warnings;   // with the file's name
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Three planes of floats, accessed by bands of rows, in memory or in a scratch file. Holds normals (x, y, z) or linear
-// RGB of maps that may be larger than memory. Row 0 on top.
+// Stores three planes of floats, accessed by bands of rows, in memory or in a scratch file. Holds normals (x, y, z) or
+// linear RGB of maps that can be larger than memory. Row 0 is on top.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 namespace multum {
 
 /// Planes in a file from byte `begin` on. Each plane consists of blocks of `rows` rows (the last may have fewer), with
-/// `gap` bytes after each block. rows = 0: one block per plane.
+/// `gap` bytes after each block. rows = 0 means one block per plane.
 struct PlaneBlocks {
   std::uint64_t begin = 0, gap = 0;
   int rows = 0;
@@ -43,7 +43,7 @@ class PlaneStore {
   /// Writes rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) if the disk fails. Threads
   /// may write different rows at once.
   void write_rows(int first_row, int row_count, const std::array<const float*, 3>& planes);
-  /// Read all planes, one plane, or all planes at one texel. Several threads may read at once.
+  /// Read all planes, one plane, or one texel of all planes. Several threads may read at once.
   void read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const;
   void read_rows(int plane, int first_row, int row_count, float* rows) const;
   std::array<float, 3> texel(int column, int row) const;
@@ -56,7 +56,7 @@ class PlaneStore {
   int width_;
   int height_;
   bool is_shortened_ = false;
-  // Not set to 0, so that the threads that write touch the memory first.
+  // Planes that are not set to 0, so that the writing threads touch the memory first.
   std::array<std::unique_ptr<float[]>, 3> owned_;
   std::array<const float*, 3> planes_{};  // null: in the file
   std::optional<ScratchFile> file_;
@@ -65,7 +65,7 @@ class PlaneStore {
 
 PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill);
 
-/// Returns the rows per band for decoding: few enough for a thread's cache, enough to be worth scheduling.
+/// Returns the rows per band for decoding: few enough for a thread's cache, but enough to justify scheduling.
 int decoding_rows(int width, const SpillPolicy& spill);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds an image's numbers in the file's own type, in memory or in a scratch file, and returns rows as floats. This
-// takes a half or a quarter of the memory of floats. The numbers are written once while the file is read, and read
+// Holds an image's values in the file's own type, in memory or in a scratch file, and returns rows as floats. The
+// values need a half or a quarter of the memory of floats. They are written once while the file is read, and are read
 // several times.
 #pragma once
 
@@ -26,13 +26,13 @@ inline bool is_float_type(SampleType type) { return type == SampleType::kHalf ||
 struct RawImageInfo {
   int width = 0;
   int height = 0;
-  int channel_count = 0;  // colour channels, 1 to 3, without alpha; or all channels
+  int channel_count = 0;  // number of colour channels, 1 to 3, without alpha; or of all channels
   SampleType sample_type = SampleType::kFloat;
-  int base_type = 0;                       // of the stored samples, host/formats/image/files/number_type.h
+  int base_type = 0;                       // type of the stored samples (host/formats/image/files/number_type.h)
   std::size_t row_bytes = 0;               // of the stored samples
-  std::string colour_space;                // as in the file: "sRGB", "Linear", "Gamma2.2", or empty
-  bool has_alpha = false;                  // in the file; never read
-  std::vector<std::string> channel_names;  // of the channels that are read
+  std::string colour_space;                // name from the file: "sRGB", "Linear", "Gamma2.2", or empty
+  bool has_alpha = false;                  // true if the file has alpha, which is never read
+  std::vector<std::string> channel_names;  // names of the channels that are read
   std::string format;                      // "png uint8, 4 channels (alpha not read)"
   std::vector<std::string> notes = {};     // ImageContainer::notes
   double texel_metres = 0.0;               // as in ImageContainer
@@ -57,7 +57,7 @@ struct RawRows {
 
 class RawImage {
  public:
-  /// Throws Error(kEnvironment) if it cannot make a scratch file that it needs.
+  /// Throws Error(kEnvironment) if a needed scratch file cannot be made.
   RawImage(RawImageInfo info, const SpillPolicy& spill);
 
   const RawImageInfo& info() const { return info_; }

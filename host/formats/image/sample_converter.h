@@ -22,7 +22,7 @@ class SampleConverter {
 
   int base_type_;
   std::function<float(float)> then_;
-  std::vector<float> table_;  // of 8- and 16-bit codes; empty for other types
+  std::vector<float> table_;  // values of 8- and 16-bit codes; empty for other types
 };
 
 }  // namespace multum

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// The one or two outputs to which an input contributes, with weights. A line has `from` inputs and `to` <= `from`
+// The one or two outputs to which an input contributes, and their weights. A line has `from` inputs and `to` <= `from`
 // outputs.
 struct Share {
   int first = 0;
@@ -32,7 +32,7 @@ std::vector<Share> make_shares(int from, int to) {
   return shares;
 }
 
-// Sums over areas; the weights of Share make them means.
+// Sums over areas; the weights of Share turn the sums into means.
 class AreaMeans {
  public:
   AreaMeans(const RawImageInfo& info, int width, int height)

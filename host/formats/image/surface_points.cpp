@@ -14,9 +14,9 @@
 namespace multum {
 namespace {
 
-constexpr float kBeside = 0.211324865f;  // (1 - 1 / sqrt 3) / 2, of the two-point Gauss rule, in texels
+constexpr float kBeside = 0.211324865f;  // distance (1 - 1 / sqrt 3) / 2 of the two-point Gauss rule, in texels
 
-// Directions (1 or -1) of the neighbours towards which a texel's point is moved; each has the weight kBeside.
+// Directions (1 or -1) of the neighbours towards which a texel's point is moved; each neighbour has the weight kBeside.
 int step_x(int x, int y) { return (x + y) % 2 == 0 ? 1 : -1; }
 int step_y(int x) { return x % 4 == 0 || x % 4 == 3 ? 1 : -1; }
 
@@ -25,7 +25,7 @@ int continued(int texel, int size, WrapMode wrap) {
   return std::clamp(texel, 0, size - 1);
 }
 
-// Three planes, and the lengths if they are normals.
+// Three planes, and the lengths of the vectors if the planes hold normals.
 struct Row {
   explicit Row(std::size_t width)
       : planes{std::vector<float>(width), std::vector<float>(width), std::vector<float>(width)}, lengths(width) {}
@@ -41,7 +41,7 @@ struct Row {
   std::vector<float> lengths;
 };
 
-// Makes rows of points one after another; each needs the rows above and below.
+// Makes rows of points one after another; each row needs the rows above and below.
 class PointRows {
  public:
   PointRows(const PlaneStore& texels, const MapWrap& wrap, bool are_normals)

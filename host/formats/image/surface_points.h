@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface between texels. Renderers interpolate a magnified normal map, so a distant pixel shows the interpolated
-// surface, whose normals spread less than the texels: for white noise, (2/3)^2 of the variance. A bake of the surface
-// takes one of its points for each texel, 0.2113 texels from the texel's centre along x and along y. These are the
-// points of the two-point Gauss rule between centres (Abramowitz and Stegun 25.4.30), which is exact for polynomials
-// of degree 3. So the means and variances of the interpolated surface are exact, at the cost of a bake of the texels.
-// The signs of x and y select one of four points:
+// surface. Its normals spread less than the texels: for white noise, the variance is (2/3)^2 times as large. A bake of
+// the surface takes one of its points for each texel, 0.2113 texels from the texel's centre along x and along y. These
+// are the points of the two-point Gauss rule between centres (Abramowitz and Stegun 25.4.30), which is exact for
+// polynomials of degree 3. So the means and variances of the interpolated surface are exact, at the cost of a bake of
+// the texels. The signs of x and y select one of four points:
 //
 //   texels of one of level 1     (+, s)  (-, -s)     s alternates between 1 and -1 along x
 //                                (-, s)  (+, -s)
 //
-// Each of the four occurs once. Points are distributed along x and y like centres. Between any two columns or rows of
-// texels there are equally many points, so edges along the axes have the right width.
+// Each of the four points occurs once. Points are distributed along x and y like texel centres. Between any two columns
+// or rows of texels there are equally many points, so edges along the axes have the right width.
 #pragma once
 
 #include "host/formats/image/plane_store.h"
@@ -29,8 +29,8 @@ struct MapWrap {
 };
 
 /// Returns the points' normals, in new planes according to `spill`. Each is the weighted mean of four texels, scaled
-/// to the weighted mean of their lengths: 1, or less with a roughness map. If the four cancel, the nearest texel gives
-/// the direction.
+/// to the weighted mean of their lengths: 1, or less with a roughness map. If the four texels cancel out, the nearest
+/// texel gives the direction.
 PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                            Progress* progress);
 

@@ -14,8 +14,8 @@ namespace multum {
 constexpr int kEnvironmentWidthMax = 512;
 
 struct EnvironmentLight {
-  EnvironmentMap map;        // as read; visible in pictures
-  PrefilteredLevels levels;  // level 0: the map, shrunk
+  EnvironmentMap map;        // the environment as read; visible in pictures
+  PrefilteredLevels levels;  // level 0 is the shrunk map
   EnvironmentMap small;      // for half_vector_light()
   SmoothEnvironment smooth;
   LightSampler sampler;
@@ -24,9 +24,9 @@ struct EnvironmentLight {
 
 std::shared_ptr<const EnvironmentLight> make_environment_light(EnvironmentMap map);
 
-/// Equals make_environment_light() of (1 - share) a + share b, but only mixes the two results. This is
-/// exact because levels, harmonics and sums are linear in the light (Han et al. 2007, section 8, changing light). `a`
-/// and `b` must have equal size; at shares of 0 and 1 the result is `a` or `b`.
+/// Returns the same light as make_environment_light() for (1 - share) a + share b, but only mixes the two results. This
+/// is exact because levels, harmonics and sums are linear in the light (Han et al. 2007, section 8, changing light).
+/// `a` and `b` must have equal size; at shares of 0 and 1 the result is `a` or `b`.
 std::shared_ptr<const EnvironmentLight> mix_environments(const std::shared_ptr<const EnvironmentLight>& a,
                                                          const std::shared_ptr<const EnvironmentLight>& b,
                                                          double share);

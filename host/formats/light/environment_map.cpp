@@ -25,7 +25,7 @@ double texel_solid_angle(int width, int height, int y) {
 EnvironmentMap shrink(const EnvironmentMap& map, int width) {
   const int factor = (map.width + width - 1) / width;
   if (factor <= 1) return map;
-  // If the sizes do not divide, the last block is smaller.
+  // If the size is not a multiple of the block size, the last block is smaller.
   EnvironmentMap small{(map.width + factor - 1) / factor, (map.height + factor - 1) / factor, {}};
   for (int y = 0; y < small.height; ++y)
     for (int x = 0; x < small.width; ++x) {

@@ -21,8 +21,8 @@ void for_each_texel(const EnvironmentMap& map, const Use& use) {
 
 }  // namespace
 
-// K_lm P_lm(z) / sin^m by upward recurrence in l, times sin^m (cos, sin)(m phi) as polynomials of x and y. Needs no
-// angles, and does not divide by sin at the poles.
+// Computes K_lm P_lm(z) / sin^m by upward recurrence in l, times sin^m (cos, sin)(m phi) as polynomials of x and y.
+// Needs no angles, and does not divide by sin at the poles.
 std::vector<double> harmonics(const glm::dvec3& d, int order) {
   const auto index = [](int l, int m) { return static_cast<std::size_t>(l * (l + 1) + m); };
   std::vector<double> y(index(order, order) + 1);

@@ -12,11 +12,12 @@ namespace multum {
 class LightSampler {
  public:
   explicit LightSampler(const EnvironmentMap& map);
-  /// Samples (1 - share) times the map of `a` plus `share` times the map of `b`; both must have equal size.
+  /// Samples the sum of (1 - share) times the map of `a` and `share` times the map of `b`; both maps must have the same
+  /// size.
   LightSampler(const LightSampler& a, const LightSampler& b, double share);
   /// Returns direction `index` of a low-discrepancy sequence: a unit vector in the environment's frame.
   glm::dvec3 direction(unsigned index) const;
-  double total() const { return cumulative_.back(); }  // the integral of the luminance
+  double total() const { return cumulative_.back(); }  // integral of the luminance over the sphere
 
  private:
   int width_, height_;

@@ -9,7 +9,7 @@
 namespace multum {
 
 struct PrefilteredLevels {
-  std::vector<EnvironmentMap> levels;  // level 0 is the map; every level is half as wide and high as the last
+  std::vector<EnvironmentMap> levels;  // level 0 is the map; every level is half as wide and high as the previous one
   std::vector<double> spreads;         // 1 - A(kappa) of each level, increasing
 };
 

@@ -12,12 +12,12 @@
 
 namespace multum {
 
-constexpr int kReflectionCosineCount = 32;  // mu.v, evenly from -1 to 1
+constexpr int kReflectionCosineCount = 32;  // number of values of mu.v, evenly from -1 to 1
 constexpr int kReflectionSpreadCount = 24;  // d = 1 - |r|: (i / (count - 1))^3
 
 struct ReflectionEntry {
   glm::dvec3 weight;  // the integral
-  double plain;       // the integral of only 4 (v.h) (v.h)
+  double plain;       // integral of 4 (v.h) (v.h) alone
   double fresnel;     // mean of (1 - v.h)^5 over cosine-weighted light, for the factor 1 - F of the diffuse part
 };
 

@@ -17,7 +17,7 @@ bool leaves_geometry_alone(const std::string& extension) {
   return false;
 }
 
-// Opens the files that buffers name, because assimp hardly says why it could not.
+// Opens the files that buffers name, because assimp gives almost no reason if it cannot open them.
 void check_buffers(const nlohmann::json& json, const std::string& path) {
   const auto buffers = json.find("buffers");
   if (buffers == json.end() || !buffers->is_array()) return;

@@ -8,8 +8,8 @@
 namespace multum {
 
 /// Does nothing for other file types. Throws Error(kInput) naming the file if it is unreadable or damaged, or if its
-/// buffers are outside its folder. Also refuses a required extension that changes geometry and cannot be read, by its
-/// name (KHR_draco_mesh_compression, ...).
+/// buffers are outside its folder. Also rejects a required extension that changes geometry and cannot be read, and
+/// names it (KHR_draco_mesh_compression, ...).
 void check_gltf_file(const std::string& path);
 
 }  // namespace multum

@@ -55,7 +55,7 @@ std::string decoded_uri(const std::string& path, const std::string& uri) {
   }
   if (name.find('\0') != std::string::npos)
     refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file in its folder");
-  // A model from another person must not include files of this machine.
+  // A model from another person must not be able to include files of this machine.
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.is_absolute() || *relative.begin() == "..")
     refuse_file(path, "names " + name + ", which is not in its folder; expected a file in its folder or below");

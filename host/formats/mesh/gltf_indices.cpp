@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Knows the indices of the glTF 2.0 specification, section 5, and of its extensions' schemas.
+// Lists the indices of the glTF 2.0 specification, section 5, and of the schemas of its extensions.
 #include "host/formats/mesh/gltf_indices.h"
 
 #include <fmt/format.h>

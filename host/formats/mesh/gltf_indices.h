@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the indices of a glTF file: each must refer to an existing element of its array.
+// Checks the indices of a glTF file: each index must refer to an existing element of its array.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace multum {
 
 /// Checks every index of glTF 2.0, and of the extensions that multum reads or moves in an object. Throws Error(kInput)
 /// naming the file: "meshes/0/primitives/0/indices is 7, expected a number below 3, the length of accessors". Skips
-/// extras, other extensions, and glTF 1.0, which has names instead of indices.
+/// extras, other extensions, and files of glTF 1.0, which has names instead of indices.
 void check_gltf_indices(const nlohmann::json& json, const std::string& path);
 void check_gltf_indices(const nlohmann::ordered_json& json, const std::string& path);
 

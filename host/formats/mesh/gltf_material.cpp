@@ -121,7 +121,7 @@ class MaterialReader {
     const json& more = texture.contains("extensions") ? texture.at("extensions") : json::object();
     if (more.contains("EXT_texture_webp")) image = index_at(more.at("EXT_texture_webp"), "source");
     if (image == result_.images.size() && texture.contains("source")) image = index_at(texture, "source");
-    // Comes last, because some texels of this format can be decoded only by GPU libraries.
+    // This format is the last choice, because some of its texels can be decoded only by GPU libraries.
     if (image == result_.images.size() && more.contains("KHR_texture_basisu"))
       image = index_at(more.at("KHR_texture_basisu"), "source");
     if (image >= result_.images.size()) refuse(fmt::format("texture {} has no readable image", index));
@@ -134,7 +134,8 @@ class MaterialReader {
     return made;
   }
 
-  // Refuses a texture transform. Rotating a texture would require rotating its normals too, and nothing here does that.
+  // Rejects a texture transform. A rotation of the texture would also require a rotation of its normals, which is not
+  // implemented.
   void check_transform(const json& info, const char* key, const std::string& material) const {
     if (!info.contains("extensions") || !info.at("extensions").contains("KHR_texture_transform")) return;
     const json& transform = info.at("extensions").at("KHR_texture_transform");

@@ -19,7 +19,7 @@ struct GltfTexture {
 };
 
 struct GltfMaterial {
-  std::string name;  // unique: "material 2" for a missing name, "steel (2)" for a repeated one
+  std::string name;  // unique name: "material 2" for a missing name, "steel (2)" for a repeated one
   glm::vec4 base_colour{1.0f};
   float metallic = 1.0f;
   float roughness = 1.0f;
@@ -42,8 +42,8 @@ struct GltfMaterials {
   std::vector<GltfImage> images;
 };
 
-/// Throws Error(kInput) naming the file and the fault: not glTF or GLB, damaged, a missing texture, an effective
-/// texture transform (KHR_texture_transform), or an image format that cannot be read.
+/// Reads the materials. Throws Error(kInput) naming the file and the fault: not glTF or GLB, damaged, a missing
+/// texture, an effective texture transform (KHR_texture_transform), or an image format that cannot be read.
 GltfMaterials read_gltf_materials(const std::string& path);
 
 /// Turns a name into a safe file name: "Hull, front" becomes "Hull__front".

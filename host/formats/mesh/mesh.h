@@ -14,7 +14,7 @@ namespace multum {
 
 /// Triangles with one material.
 struct MeshPart {
-  std::string material;    // its name in the file; may be empty
+  std::string material;    // name in the file; may be empty
   int material_index = 0;  // in the file's order
   std::uint32_t first_index = 0, index_count = 0;
 };
@@ -23,7 +23,7 @@ struct MeshPart {
 struct TriangleMesh {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;      // unit
-  std::vector<glm::vec4> tangents;     // unit, along growing u, orthogonal to the normal; w = +1 or -1:
+  std::vector<glm::vec4> tangents;     // unit vectors along growing u, orthogonal to the normal; w = +1 or -1
                                        // bitangent = w * cross(normal, tangent), along growing v
   std::vector<glm::vec2> uvs;          // v grows upwards in the image, for every file format
   std::vector<std::uint32_t> indices;  // three a triangle

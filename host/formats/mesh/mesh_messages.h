@@ -3,7 +3,7 @@
 //
 //   request   kOpenMesh, path, uv_set      answer   counts, parts
 //             kOpenObjects, path, uv_set            for each object: counts, name, transform
-//             kReadMesh                             nothing; the arrays are in the shared memory, one after the other
+//             kReadMesh                             nothing; the arrays are in the shared memory, one after another
 #pragma once
 
 #include <string>
@@ -20,8 +20,8 @@ using ObjectMeshes = std::vector<ObjectMesh>;
 std::string open_mesh_request(DecodingRequest kind, const std::string& path, int uv_set);
 std::string read_mesh_request();
 
-/// Reads everything except the contents of arrays; arrays get their final lengths. `Meshes` is TriangleMesh or
-/// ObjectMeshes. Throws Error(kInput) naming the file if the lengths exceed the child's limits.
+/// Reads everything except the contents of arrays; arrays are resized to their final lengths. `Meshes` is TriangleMesh
+/// or ObjectMeshes. Throws Error(kInput) naming the file if the lengths exceed the child's limits.
 template <typename Meshes>
 Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
 
@@ -34,7 +34,7 @@ std::size_t array_bytes(const Meshes& meshes);
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 
-/// The child's side: answers a request to open, and puts arrays where the other side reads them.
+/// Work of the child: answers a request to open, and copies arrays to memory that the other process reads.
 template <typename Meshes>
 std::string open_mesh_answer(const Meshes& meshes);
 template <typename Meshes>

@@ -31,7 +31,7 @@ std::uint64_t file_bytes(const std::string& path) {
   return error ? 0 : size;
 }
 
-// Ignores faults of the file, because its reader reports them.
+// Ignores faults of the file, because the file's reader reports them.
 std::uint64_t buffer_bytes(const std::string& path) {
   std::uint64_t bytes = 0;
   try {
@@ -51,7 +51,7 @@ std::uint64_t buffer_bytes(const std::string& path) {
 template <typename Meshes>
 Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) {
   constexpr std::uint64_t kMemoryTimes = 64, kBytesASecond = std::uint64_t{1} << 20;
-  open_regular_file(path);  // refuses irregular files without a child; the child reports a missing file
+  open_regular_file(path);  // rejects irregular files without a child; the child reports a missing file
   DecodedFile file(mesh_child(), path, "assimp");
   const std::uint64_t bytes = file_bytes(path) + (is_gltf_name(path) ? buffer_bytes(path) : 0);
   file.allow(kMemoryTimes * bytes, std::chrono::seconds(bytes / kBytesASecond));

@@ -16,12 +16,12 @@ namespace multum {
 struct ObjectMesh {
   std::string name;                    // name of the glTF node or the OBJ object
   std::vector<glm::vec3> positions;    // object space
-  std::vector<glm::vec2> uvs;          // of the requested texture coordinate set; v grows upwards in the image
+  std::vector<glm::vec2> uvs;          // from the requested texture coordinate set; v grows upwards in the image
   std::vector<std::uint32_t> indices;  // three a triangle
   glm::dmat4 object_to_world{1.0};     // as in the file; the identity for OBJ
 };
 
-/// Returns the object's transform: from `moved` if it has the object's name, otherwise from the file.
+/// Returns the object's transform: from `moved` if `moved` has the object's name, otherwise from the file.
 const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved);
 
 /// Reads every object with triangles, in the file's order; all meshes of one node are one object. `uv_set`: 0 is

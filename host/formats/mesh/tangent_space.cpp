@@ -49,9 +49,9 @@ std::vector<Index> weld(const TriangleCorners& corners) {
 }
 
 struct Face {
-  glm::dvec3 tangent{0.0};  // unit; 0: u does not change
+  glm::dvec3 tangent{0.0};  // unit vector; 0 if u does not change
   bool is_mirrored = false;
-  bool has_area = true;  // in space; triangles without area are ignored
+  bool has_area = true;  // true if the area in space is not 0; other triangles are ignored
 };
 
 Face face_of(const TriangleCorners& corners, std::size_t first) {
@@ -89,7 +89,7 @@ bool is_directed(const Face& face) { return face.has_area && face.tangent != glm
 Groups join_at_edges(const std::vector<Index>& vertices, const std::vector<Face>& faces) {
   const auto next = [](std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
   Groups groups(vertices.size());
-  // Maps the edge's vertices and orientation to the corner where the edge begins in its first triangle.
+  // Maps the edge's vertices and orientation to the corner of the first triangle where the edge begins.
   std::map<std::array<Index, 3>, std::size_t> edges;
   for (std::size_t corner = 0; corner < vertices.size(); ++corner) {
     const Face& face = faces[corner / 3];
@@ -139,7 +139,7 @@ std::vector<glm::vec4> mikk_tangents(const TriangleCorners& corners) {
     glm::dvec3 tangent{0.0};
     bool is_mirrored = false;
   };
-  std::vector<Sum> sums(count);                       // one per group, at its first corner
+  std::vector<Sum> sums(count);                       // one sum per group, at the group's first corner
   std::unordered_map<Index, std::size_t> directions;  // for each vertex, one group that has a direction
   for (std::size_t corner = 0; corner < count; ++corner) {
     const Face& face = faces[corner / 3];

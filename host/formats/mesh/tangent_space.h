@@ -10,8 +10,8 @@
 //   fragment        bitangent = w cross(n, t) of the interpolated normal and tangent
 //
 // Vertices are equal if position, normal and texture coordinates are equal bit by bit. There are two departures.
-// Quadrangles come as two triangles, whereas MikkTSpace weighs their four corners at once. The angle between faces
-// never splits a group, as with MikkTSpace's usual threshold of 180 degrees.
+// Quadrangles are split into two triangles, whereas MikkTSpace weighs their four corners together. The angle between
+// faces never splits a group, as with MikkTSpace's usual threshold of 180 degrees.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ struct TriangleCorners {
   std::vector<glm::vec2> uvs;      // v grows upwards in the image
 };
 
-/// Returns a tangent for every corner: unit, orthogonal to the normal; w = +1 or -1. A corner whose triangles have no
-/// area in texture space takes a neighbour's tangent, or else any orthogonal one.
+/// Returns a tangent for every corner: unit, orthogonal to the normal; w = +1 or -1. If the triangles of a corner have
+/// no area in texture space, the corner gets a neighbour's tangent, or else any orthogonal one.
 std::vector<glm::vec4> mikk_tangents(const TriangleCorners& corners);
 
 /// Returns any unit vector orthogonal to `n`.

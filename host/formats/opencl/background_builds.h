@@ -20,7 +20,7 @@ namespace multum {
 class BackgroundBuilds {
  public:
   /// Returns a program's binary, built in the thread's context. The context is null at first; later builds in the same
-  /// thread reuse the context that a build leaves there.
+  /// thread reuse the context of the first build.
   using Build = std::function<std::string(cl::Context& context)>;
 
   BackgroundBuilds() = default;
@@ -30,10 +30,10 @@ class BackgroundBuilds {
   BackgroundBuilds& operator=(const BackgroundBuilds&) = delete;
 
   bool has(const std::string& key) const { return results_.count(key) != 0; }
-  /// Queues a build. As many builds run at once as the machine has cores.
+  /// Queues a build. At most one build per core runs at a time.
   void add(const std::string& key, Build build);
-  /// Waits for the build added as `key`, and forgets it. Returns nothing if there was none. Rethrows the build's
-  /// exception.
+  /// Waits for the build added as `key`, and forgets it. Returns nothing if there was no such build. Rethrows the
+  /// build's exception.
   std::optional<std::string> take(const std::string& key);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes all options for the OpenCL compiler. No option relaxes mathematics: on PoCL, -cl-fast-relaxed-math and
-// -cl-finite-math-only delete the kernels' guards and gain nothing.
+// -cl-finite-math-only delete the kernels' guards without making kernels faster.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@ namespace multum {
 /// Structural choices that are compiled into a kernel.
 struct KernelVariant {
   int lobes = 4;          // 1..8
-  int vector_width = 1;   // 1: scalar, one work-item per texel (GPUs); 16: float16 (CPUs)
-  bool weighted = false;  // texels cover fractions of finest texels, because the map's sides are not powers of two
-  bool planar = false;    // lobes are planar Gaussians (kernels/device/planar_family.clh)
-  int sh_order = 0;       // of spherical harmonics, 1..20; 0: a kernel without harmonics
+  int vector_width = 1;   // 1 for scalars, one work-item per texel (GPUs); 16 for float16 (CPUs)
+  bool weighted = false;  // true if sides are not powers of two, so that texels cover fractions of finest texels
+  bool planar = false;    // true if lobes are planar Gaussians (kernels/device/planar_family.clh)
+  int sh_order = 0;       // order of spherical harmonics, 1..20; 0 for a kernel without harmonics
 };
 
-/// `rounds_when_asked`: the device rounds divisions and roots as IEEE requires, but only in programs built with an
+/// `rounds_when_asked`: the device rounds divisions and roots as IEEE requires only in programs built with an
 /// option.
 std::string build_options(const KernelVariant& variant, bool rounds_when_asked);
 

@@ -253,7 +253,7 @@ void Device::time_launches(bool on) {
   if (!on && state_ == nullptr) return;
   if (on == state().times_launches) return;
   finish();
-  release_staging(state());  // mapped by the queue that is about to close
+  release_staging(state());  // staging buffers are mapped by the queue that is about to close
   cl_int status = CL_SUCCESS;
   cl::CommandQueue queue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
   check_cl(status, state().info.name + ": clCreateCommandQueue");

@@ -27,10 +27,10 @@ struct DeviceInfo {
   std::string name;
   std::string platform;
   std::string driver;
-  std::string version;  // of OpenCL, with the driver's additions
+  std::string version;  // version of OpenCL, with the driver's additions
   bool is_cpu;
-  bool shares_memory;      // with the host, so that fewer copies gain nothing
-  bool rounds_when_asked;  // rounds divisions and roots as IEEE requires, but only in programs built with an option
+  bool shares_memory;      // true if memory is shared with the host, so that fewer copies save no time
+  bool rounds_when_asked;  // rounds divisions and roots as IEEE requires only in programs built with an option
   bool has_atomic_longs;   // cl_khr_int64_base_atomics
   int compute_units;
   int work_group_max;         // work-items
@@ -39,7 +39,7 @@ struct DeviceInfo {
   std::uint64_t buffer_bytes_max;
 };
 
-/// Counts of copies between host and device since the device was opened; 0 if they share memory.
+/// Counts of copies between host and device since the device was opened; all are 0 if host and device share memory.
 struct TransferCounts {
   std::uint64_t uploads = 0, upload_bytes = 0;
   std::uint64_t downloads = 0, download_bytes = 0;
@@ -56,7 +56,7 @@ std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices,
 class DeviceState;
 struct LaunchShape;
 
-/// Memory on the device. Movable; freed by the destructor.
+/// Memory on the device. It can be moved, and the destructor frees it.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -122,18 +122,18 @@ struct ProgramChoice {
 /// A device and how to use it.
 struct DeviceChoice {
   std::string selector;         // as for Device::open()
-  bool as_accelerator = false;  // divides work as for a GPU, on any device; the bytes stay the same (LaunchShape)
+  bool as_accelerator = false;  // divides work as for a GPU, on any device; results keep the same bytes (LaunchShape)
 };
 
 class Device {
  public:
   /// Opens a device. `selector`: empty for the first GPU, or the first CPU if there is none; a number of `multum
-  /// devices`; or part of a device's or platform's name. "4090" is such a part if no device has this number. Throws
-  /// Error(kEnvironment), listing the devices, if none matches.
+  /// devices`; or part of a device's or platform's name. "4090" counts as part of a name if no device has this number.
+  /// Throws Error(kEnvironment), listing the devices, if none matches.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
-  /// Opens the device at its first use, and throws then as open() does. A driver takes 80 MiB and tens of
-  /// milliseconds, and a program that refuses its input needs no device.
+  /// Opens the device at its first use, and throws at that time like open(). A driver needs 80 MiB and tens of
+  /// milliseconds, and a program that rejects its input needs no device.
   static Device when_needed(const DeviceChoice& choice);
   bool is_open() const { return state_ != nullptr; }
 
@@ -163,8 +163,8 @@ class Device {
   void move_down(const std::vector<BufferMove>& moves);
   void fill_zero(DeviceBuffer& buffer);
 
-  /// Starts to build these programs in parallel, in this order, except for cached ones; kernel() waits for the one it
-  /// needs. Does nothing without a cache folder (program_cache.h).
+  /// Starts to build these programs in parallel, in this order, except for cached ones; kernel() waits for the program
+  /// that it needs. Does nothing without a cache folder (program_cache.h).
   void prepare(const std::vector<ProgramChoice>& programs);
   /// Returns a kernel of kernels/FILE.cl, built with the variant's options or loaded from the program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
@@ -179,8 +179,8 @@ class Device {
   /// Sends queued launches to the device.
   void flush();
 
-  /// Launches by kernel name, and programs built or loaded from the cache, since the device was opened.
-  /// host/formats/opencl/device_counts.h counts for one job.
+  /// Number of launches by kernel name, and of programs built or loaded from the cache, since the device was opened.
+  /// host/formats/opencl/device_counts.h counts them for one job.
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;

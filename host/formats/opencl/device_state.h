@@ -16,12 +16,12 @@
 
 namespace multum {
 
-/// Host memory from which the device copies while the host continues.
+/// Host memory from which the device copies data while the host continues.
 struct StagingBuffer {
   cl::Buffer memory;
   unsigned char* bytes = nullptr;
   std::size_t size = 0;
-  cl::Event copied;  // when it may be overwritten; null: at once
+  cl::Event copied;  // event after which it can be overwritten; null if it already can
 };
 
 /// Byte counts of buffers, which may outlive the device's state.
@@ -52,11 +52,11 @@ class DeviceState {
   cl::Device device;
   cl::Context context;
   cl::CommandQueue queue;
-  std::map<std::string, cl::Program> programs;  // by file, options and the file's edits
+  std::map<std::string, cl::Program> programs;  // programs by file, options and the file's edits
   std::vector<SourceEdit> edits;
   std::map<std::string, std::uint64_t> launch_counts;
   bool times_launches = false;
-  std::vector<std::pair<std::string, cl::Event>> timed;  // launches whose times are not yet read
+  std::vector<std::pair<std::string, cl::Event>> timed;  // launches with unread times
   std::map<std::string, double> launch_seconds;
   TransferCounts transfers;
   std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
@@ -64,19 +64,19 @@ class DeviceState {
   std::size_t next_staging = 0;
   int unprepared_count = 0;
   bool told_of_building = false;
-  BackgroundBuilds builds;  // last member, so that its threads end first
+  BackgroundBuilds builds;  // the last member, so that its threads end first
 };
 
 /// Returns the staging buffers to the queue that mapped them.
 void release_staging(DeviceState& state);
 
-/// Adds up the times of all launches, waiting for them to end. If it throws, no times are left.
+/// Waits for all launches, and adds up their times. If it throws, no times are left.
 void collect_times(DeviceState& state);
 
 /// Returns the key of kernels/FILE.cl, with its current edits, in state.programs.
 std::string program_key(const DeviceState& state, const std::string& file, const std::string& options);
 
-/// Builds kernels/FILE.cl with `options`, or loads a binary that was prepared or that the cache folder holds.
+/// Builds kernels/FILE.cl with `options`, or loads a binary that was prepared or is in the cache folder.
 cl::Program load_program(DeviceState& state, const std::string& file, const std::string& options);
 
 /// Starts to build a program in the background, unless it is already available. Does nothing without a cache folder,

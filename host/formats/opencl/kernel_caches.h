@@ -9,20 +9,21 @@ namespace multum {
 
 /// Folders for compiled kernels, from the environment.
 struct KernelCacheFolders {
-  std::string programs;  // for this project's binaries (program_cache.h); empty: keeps none
-  std::string pocl;      // for PoCL; empty: PoCL is not changed
+  std::string programs;  // folder for this project's binaries (program_cache.h); empty to keep none
+  std::string pocl;      // folder for PoCL; empty to leave PoCL unchanged
 };
 
-/// Names the folders; call it before looking for devices. The folders are not touched yet.
+/// Sets the folders; call it before the search for devices. The folders are not accessed yet.
 void set_kernel_caches(const KernelCacheFolders& folders);
 
 /// Makes missing folders, and replaces each folder that cannot be written by a private one. The private folder has
 /// mode 0700 and a random name below $TMPDIR or /tmp, and is removed when the program ends. MULTUM_CACHE_DIR and
-/// POCL_CACHE_DIR then name it, for children too. Warns once, with the folder and the reason. Called before the first
-/// platform is used; a program whose children open devices calls it before it starts them.
+/// POCL_CACHE_DIR then name the private folder, for child processes too. Warns once, with the folder and the reason.
+/// Called before the first platform is used; a program whose children open devices calls it before it starts them.
 void prepare_kernel_caches();
 
-/// Returns why PoCL has no cache, with the folders that were tried; empty if it has one or was not changed.
+/// Returns the reason why PoCL has no cache, with the folders that were tried; empty if PoCL has a cache or was not
+/// changed.
 const std::string& pocl_cache_failure();
 
 }  // namespace multum

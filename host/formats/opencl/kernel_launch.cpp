@@ -33,7 +33,7 @@ void Kernel::enqueue(const WorkSize& size) {
            "kernel " + name_);
   ++device_->launch_counts[name_];
   if (!device_->times_launches) return;
-  constexpr std::size_t kTimedMax = 4096;  // unread events take memory in the driver
+  constexpr std::size_t kTimedMax = 4096;  // because unread events need memory in the driver
   device_->timed.emplace_back(name_, std::move(event));
   if (device_->timed.size() >= kTimedMax) collect_times(*device_);
 }

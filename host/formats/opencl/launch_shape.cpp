@@ -24,7 +24,7 @@ bool LaunchShape::fits_by_teams(std::size_t texels, int sample_capacity) const {
 
 LaunchShape LaunchShape::of_accelerator(const DeviceInfo& info) {
   LaunchShape shape{};
-  // A compute unit holds about 2048 work-items. With less than a quarter of that in texels, teams are faster.
+  // A compute unit holds about 2048 work-items. With fewer texels than a quarter of that number, teams are faster.
   constexpr std::size_t kTexelsAComputeUnit = 512;
   shape.vector_width = 1;
   shape.local_size = std::min<std::size_t>(64, static_cast<std::size_t>(std::max(1, info.work_group_max)));

@@ -24,16 +24,16 @@
 namespace multum {
 
 struct LaunchShape {
-  int vector_width;                   // of the kernels' fast variant
+  int vector_width;                   // vector width of the kernels' fast variant
   std::size_t local_size;             // default of launches
-  std::size_t team_texels_max;        // teams fit at most this many texels at once; 0: no teams
-  int pack_parts;                     // work-items that arrange the samples of one group of texels
-  bool atomic_cells;                  // all chunks of a texel share one table of cells
+  std::size_t team_texels_max;        // largest number of texels that teams fit at once; 0 for no teams
+  int pack_parts;                     // number of work-items that arrange the samples of one group of texels
+  bool atomic_cells;                  // true if all chunks of a texel share one table of cells
   int strip_texels;                   // texels per work-item in the pyramid's kernels (texture inference)
   std::size_t strip_local_size;       // of these
-  std::size_t staging_bytes;          // of one copy; 0: no copies
-  std::uint64_t window_bytes_max;     // for rows fitted at once; 0: as --memory allows
-  std::uint64_t window_bytes_useful;  // more is not faster; 0: by cache size (host/bakes/movmf/bake_plan.h)
+  std::size_t staging_bytes;          // bytes of one copy; 0 if nothing is copied
+  std::uint64_t window_bytes_max;     // limit for rows fitted at once; 0 if --memory is the limit
+  std::uint64_t window_bytes_useful;  // more is not faster; 0: chosen by cache size (host/bakes/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
   /// Returns whether teams fit this many texels at once, with at most `sample_capacity` samples each.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets environment variables that make PoCL compile kernels as they need. Variables set by the user stay unchanged.
+// Sets environment variables so that PoCL compiles kernels as these need it. Variables set by the user stay unchanged.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace multum {
 /// Applies to every version of PoCL; call it before using the first platform.
 void ask_pocl_for_one_version_of_kernels();
 
-/// Makes PoCL run kernels with this many threads, whatever the environment said. Call it before using the first
+/// Makes PoCL run kernels with this many threads, and overrides the environment. Call it before using the first
 /// platform.
 void set_pocl_threads(int threads);
 
@@ -17,9 +17,9 @@ void set_pocl_threads(int threads);
 /// set_pocl_threads() has set one. PoCL itself counts the machine's processors and ignores a container's limit.
 void ask_pocl_for_usual_threads();
 
-/// Returns whether PoCL of this CL_PLATFORM_VERSION may abort when it joins work-items by loops, its default. With
-/// LLVM 18 and later, it can end the program ("Instruction Combining did not reach a fixpoint", pocl issue 1608). This
-/// was seen on processors without AVX-512, but not with it.
+/// Returns whether PoCL of this CL_PLATFORM_VERSION can abort when it joins work-items by loops, which is its default.
+/// With LLVM 18 and later, it can end the program ("Instruction Combining did not reach a fixpoint", pocl issue 1608).
+/// This was seen on processors without AVX-512, but not with it.
 [[nodiscard]] bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512);
 
 /// Makes PoCL of this CL_PLATFORM_VERSION join work-items by continuations if its loops may abort. Call it before

@@ -27,7 +27,7 @@ std::string g_cache_folder;
 // Binaries end with the SHA-256 of the preceding bytes, so that a driver never gets a file cut short by a full disk.
 constexpr std::size_t kDigestSize = 64;
 
-// Builds in the state's context, or in another context of its device.
+// Builds a program in the state's context, or in another context of its device.
 cl::Program build_from_source(const DeviceState& state, const cl::Context& context, const std::string& file,
                               const std::string& source, const std::string& options) {
   cl_int status = CL_SUCCESS;
@@ -42,7 +42,7 @@ cl::Program build_from_source(const DeviceState& state, const cl::Context& conte
                           cl_error_name(status), program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(state.device)));
 }
 
-// Returns nothing if there is no binary, or if the driver refuses it as damaged or foreign.
+// Returns nothing if there is no binary, or if the driver rejects it as damaged or foreign.
 std::optional<cl::Program> build_from_binary(const DeviceState& state, const std::string& bytes,
                                              const std::string& options) {
   if (bytes.empty()) return std::nullopt;
@@ -67,7 +67,7 @@ std::string read_binary(const std::string& path) {
   try {
     RegularFileStream in(path);
     bytes.assign(std::istreambuf_iterator<char>(in), {});
-  } catch (const Error& error) {  // a folder or FIFO; save_binary() reports that it cannot be written
+  } catch (const Error& error) {  // the path is a folder or FIFO; save_binary() reports that it cannot be written
     log_verbose(std::string("program cache: ") + error.what());
     return {};
   }
@@ -79,7 +79,7 @@ std::string read_binary(const std::string& path) {
   return {};
 }
 
-// A failure to keep a binary costs the next run a build, but must not fail this run.
+// If a binary cannot be kept, the next run must build it again, but this run must not fail.
 void save_binary(const std::string& bytes, const std::string& path) {
   if (bytes.empty()) return;
   try {
@@ -148,11 +148,11 @@ void prepare_program(DeviceState& state, const std::string& file, const std::str
   if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return;
   const Source source = source_of(state, file, options);
   std::error_code ignored;
-  if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, and builds it again if damaged
+  if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, or builds it again
   tell_of_building(state);
   // Every thread has its own context. PoCL builds only one program at a time per context, and reads its function
   // library once per context, which takes half as long as building a small program. The state outlives its builds,
-  // which read its constant members.
+  // which read only its constant members.
   state.builds.add(key, [&state, file, source, options](cl::Context& context) {
     if (context() == nullptr) context = make_context(state.device);
     return build_binary(state, context, file, source, options);
@@ -172,7 +172,7 @@ cl::Program load_program(DeviceState& state, const std::string& file, const std:
     ++state.unprepared_count;
     log_verbose("program cache: " + file + " is being built; its caller waits");
     tell_of_building(state);
-    // Loads a new program from its binary too, so that the first run does the same as later ones.
+    // Loads even a new program from its binary, so that the first run behaves like later runs.
     const std::string bytes = build_binary(state, state.context, file, source, options);
     if (const auto program = build_from_binary(state, bytes, options)) return *program;
   }

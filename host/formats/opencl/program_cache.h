@@ -10,7 +10,7 @@ namespace multum {
 /// Sets the folder for binaries; empty turns the cache off (the default). Programs set it once at start.
 void set_program_cache_folder(const std::string& folder);
 
-/// Returns the SHA-256 of all kernels' sources; results of other sources may differ.
+/// Returns the SHA-256 of all kernels' sources; programs with other sources can give other results.
 const std::string& kernel_sources_hash();
 
 }  // namespace multum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copies between host and device. A CPU's buffers are mapped without a copy. For other devices, bytes pass through two
-// buffers of pinned memory, from which the device copies on its own. The host fills one while the other is copied.
+// buffers of pinned memory, from which the device copies independently. The host fills one buffer while the other is
+// copied.
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -172,7 +173,7 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
              "clEnqueueWriteBuffer");
     state().count_upload(ranges[i].count);
   }
-  flush();  // the queue keeps its order, so the last copy ends last
+  flush();  // the queue keeps its order, so the last copy finishes last
 }
 
 void Device::move_down(const std::vector<BufferMove>& moves) {
@@ -186,7 +187,7 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
       std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
     return mapped.unmap();
   }
-  // Copies one piece after another, each too short to overlap its target.
+  // Copies one piece after another; each piece is too short to overlap its target.
   for (const auto& [from, to] : moves) {
     const cl::Buffer& memory = *from.buffer->memory_;
     const std::size_t distance = from.begin - to;

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-constexpr double kSigma = 1.5;           // of the Gaussian by which Ulichney finds voids and clusters, in texels
+constexpr double kSigma = 1.5;           // width, in texels, of the Gaussian by which Ulichney finds voids and clusters
 constexpr std::size_t kFirstShare = 10;  // the first pattern has a tenth of all texels
 
 /// A binary pattern on a torus, with the sum of its points' Gaussians at each texel.
@@ -40,8 +40,8 @@ class Pattern {
     return best([&](std::size_t a, std::size_t b) { return has_[a] && (!has_[b] || sums_[a] > sums_[b]); });
   }
   /// Returns the empty texel with the smallest sum. On a torus, the Gaussians of all texels have a constant sum, so
-  /// the texel with the fewest points around it also has the most empty texels around it. This search therefore serves
-  /// Ulichney's phase 3 too.
+  /// the texel with the fewest points around it also has the most empty texels around it. This search therefore also
+  /// implements Ulichney's phase 3.
   std::size_t largest_void() const {
     return best([&](std::size_t a, std::size_t b) { return !has_[a] && (has_[b] || sums_[a] < sums_[b]); });
   }

@@ -9,7 +9,7 @@
 namespace multum {
 
 /// Returns the ranks 0 to side^2 - 1, each once, row by row, of a mask that repeats in both directions. For every n,
-/// the n lowest ranks are evenly spread. `side`: 8 to 256. Every seed gives another mask.
+/// the n lowest ranks are evenly spread. `side`: 8 to 256. Each seed gives a different mask.
 std::vector<int> void_and_cluster(int side, std::uint32_t seed);
 
 }  // namespace multum

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every quarter is size/2 texels wide (or size, if it fills the map). (x, y) are texel centres counted from its top
 // left corner, with rows downwards. The second slope is used for y without a sign change, although rows grow downwards.
-// As a surface, the map therefore has green down, and a reader's statistics say so. The figures in
-// docs/evidence/ACCURACY.md were measured with these numbers.
+// As a surface, the map therefore has green down, and the statistics of a reader show this. The figures in
+// docs/evidence/ACCURACY.md were measured with these values.
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)
@@ -89,7 +89,7 @@ std::array<std::uint16_t, 3> normal_code(const Texel& texel) {
           rounded_16_bit(z * 0.5 + 0.5)};
 }
 
-// Decodes a normal as a reader of the PNG does.
+// Decodes a normal like a reader of the PNG.
 std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   std::array<double, 3> n;
   for (std::size_t c = 0; c < 3; ++c) n[c] = code[c] / 65535.0 * 2.0 - 1.0;

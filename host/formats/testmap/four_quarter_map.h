@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The project's test map: four quarters that each defeat one shortcut. A seed and any even size reproduce it, so every
-// figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
+// The project's test map: in each of its four quarters, another simplification fails. A seed and any even size
+// reproduce it, so every figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace multum {
 
 struct FourQuarterMap {
-  NormalMap normals;  // rounded to 16 bits as in the PNG, then normalised
+  NormalMap normals;  // normals rounded to 16 bits as in the PNG, then normalised
   ColourMap albedo;   // colours correlated with slope
 };
 
@@ -30,9 +30,9 @@ inline constexpr Choices<Quarter> kQuarters = {{"armour", Quarter::kArmour},
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional<Quarter> alone = std::nullopt);
 
 /// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map. Writes
-/// atomically and by rows, so the map need not fit into memory. By default its green points down (four_quarter_map.cpp
-/// says why); read it with green up to get the normals of make_four_quarter_map(). kUp flips green, as glTF expects it.
-/// Throws Error(kEnvironment).
+/// atomically and by rows, so the map need not fit into memory. By default, green points down (four_quarter_map.cpp
+/// gives the reason); read the map with green up to get the normals of make_four_quarter_map(). kUp flips green, as
+/// needed for glTF. Throws Error(kEnvironment).
 void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix,
                             std::optional<Quarter> alone = std::nullopt, GreenAxis green = GreenAxis::kDown);
 

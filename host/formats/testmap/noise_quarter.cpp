@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-constexpr int kRadius = 6;  // at this radius, a Gaussian of 0.8 texels is 1e-12 of its peak
+constexpr int kRadius = 6;  // radius at which a Gaussian of 0.8 texels is 1e-12 of its peak
 
 std::vector<double> gaussian_weights() {
   constexpr double kSigma = 0.8;

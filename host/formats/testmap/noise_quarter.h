@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The noise quarter of the four-quarter map, row by row: white noise filtered by a Gaussian of 0.8 texels, periodic.
 // Slopes are central differences, scaled to rms 0.45, then by 0.4 .. 1.6 from left to right. SplitMix64 and Box-Muller
-// are written out, so that a seed gives the same map under every standard library. Only the last bits of log, sin and
-// cos may differ, and rounding to 16 bits hides them except for ties.
+// are implemented here, so that a seed gives the same map with every standard library. Only the last bits of log, sin
+// and cos can differ, and rounding to 16 bits hides these differences except for ties.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,12 @@ struct NoiseSlopes {
 
 class NoiseQuarter {
  public:
-  /// Goes through the whole quarter once, for its rms.
+  /// Computes the whole quarter once, to get its rms.
   NoiseQuarter(int size, std::uint64_t seed);
   NoiseQuarter(const NoiseQuarter&) = delete;
   NoiseQuarter& operator=(const NoiseQuarter&) = delete;
 
-  /// Returns any row; fastest from the top to the bottom.
+  /// Returns any row. Calls from the top to the bottom are fastest.
   NoiseSlopes row(int row);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names the values of a setting; command lines and files use the same names.
+// Gives names to the values of a setting; command lines and files use the same names.
 #pragma once
 
 #include <initializer_list>
@@ -10,12 +10,12 @@
 
 namespace multum {
 
-/// Pairs of names and values, in the order in which help shows them. For constants at namespace scope: tables that are
-/// initialized when a program starts use these lists, so a list must not need an initialization of its own.
+/// Pairs of names and values, in the order in which help shows them. Use constants at namespace scope: tables that are
+/// initialized at the start of a program use these lists, so a list must not need its own initialization.
 template <typename Value>
 using Choices = std::initializer_list<std::pair<const char*, Value>>;
 
-/// Returns the names of Choices, or of another list of pairs of names and values.
+/// Returns the names in Choices, or in another list of pairs of names and values.
 template <typename List>
 auto find_choice(const List& choices, const std::string& name)
     -> std::optional<typename List::value_type::second_type> {

@@ -46,9 +46,9 @@ int exit_code(ErrorCode code) {
 }
 
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
-  // With the signal ignored, a write beyond the file size limit (ulimit -f) fails with EFBIG, as a write to a full disk
-  // fails with ENOSPC. The signal would end the program in the middle of its work. Other programs that this one starts
-  // get the default action back (spawn_process()); this project's programs run this line themselves.
+  // If the signal is ignored, a write beyond the file size limit (ulimit -f) fails with EFBIG, like a write to a full
+  // disk with ENOSPC. The signal would end the program in the middle of its work. Other programs that this program
+  // starts get the default action back (spawn_process()); this project's programs run this line themselves.
   std::signal(SIGXFSZ, SIG_IGN);
   begin_whole_lines();
   try {
@@ -74,7 +74,7 @@ void refuse_file(const std::string& path, const std::string& what) {
 }
 
 void fail_by_errno(const std::string& subject, const std::string& what) {
-  const int number = errno;  // calls below may change errno
+  const int number = errno;  // because the calls below can change errno
   throw Error(errno_code(number), subject + ": " + what + ": " + errno_text(number));
 }
 

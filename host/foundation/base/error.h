@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The three kinds of trouble, never mixed (docs/contributing/ARCHITECTURE.md, "Errors"):
 //   programmer error      MULTUM_CHECK / MULTUM_DCHECK stop the program;
-//   bad input, bad world  throw Error{code, message}: which file, what was found, what was expected;
+//   bad input or machine  throw Error{code, message}: which file, what was found, what was expected;
 //   numerical trouble     is clamped by a documented rule and counted in the report, never thrown.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace multum {
 
 enum class ErrorCode {
   kUsage,         // the command line or a setting is wrong
-  kInput,         // a given file cannot be used: missing, damaged, of the wrong kind
+  kInput,         // a given file cannot be used because it is missing, damaged or of the wrong kind
   kEnvironment,   // device, driver, disk, memory: the machine cannot do the work at present
   kVerification,  // a check of a finished file failed
 };
@@ -35,7 +35,7 @@ class Cancelled : public std::exception {
   const char* what() const noexcept override { return "cancelled"; }
 };
 
-/// The exit code of a program that ends with this error: usage 2, input 3, environment 4, verification 5.
+/// Returns the exit code of a program that ends with this error: usage 2, input 3, environment 4, verification 5.
 int exit_code(ErrorCode code);
 
 /// Runs `body`, maps every exception to a message on stderr ("PROGRAM: message") and an exit code (Cancelled: 130).

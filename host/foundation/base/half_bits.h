@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts float to IEEE half, rounded to nearest with ties to even. Done here because drivers differ: llvmpipe
+// Converts float to IEEE half, rounded to nearest with ties to even. Implemented here because drivers differ: llvmpipe
 // truncates floats that are uploaded to an RGBA16F texture (measured, Mesa 22.3.6), half a step of bias on average.
 #pragma once
 
@@ -15,7 +15,7 @@ inline std::uint16_t float_to_half(float value) {
   const std::uint32_t sign = (bits >> 16) & 0x8000u;
   const std::uint32_t magnitude = bits & 0x7fffffffu;
   if (magnitude > 0x7f800000u) return static_cast<std::uint16_t>(sign | 0x7e00u);
-  if (magnitude >= 0x477ff000u) return static_cast<std::uint16_t>(sign | 0x7c00u);  // >= 65520 rounds to infinity
+  if (magnitude >= 0x477ff000u) return static_cast<std::uint16_t>(sign | 0x7c00u);  // values >= 65520 round to infinity
   if (magnitude < 0x38800000u) {  // below 2^-14: subnormal; adding 1/2 lets the float unit round to multiples of 2^-24
     const float shifted = std::bit_cast<float>(magnitude) + 0.5f;
     return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(shifted) - 0x3f000000u));
@@ -31,7 +31,8 @@ inline std::uint16_t clamped_to_half(float value) {
   const std::uint32_t magnitude = std::min(bits & 0x7fffffffu, 0x477fe000u);
   const std::uint32_t subnormal = std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) + 0.5f) - 0x3f000000u;
   const std::uint32_t normal = (magnitude - 0x38000000u + 0xfffu + (magnitude >> 13 & 1u)) >> 13;
-  // Selects by bits: for a ?: here, GCC 12 makes a branch around the float addition, and no vector instructions.
+  // Selects by bits: with a ?: operator, GCC 12 would make a branch around the float addition, and no vector
+  // instructions.
   const std::uint32_t is_subnormal = 0u - static_cast<std::uint32_t>(magnitude < 0x38800000u);
   return static_cast<std::uint16_t>((bits >> 16 & 0x8000u) | (subnormal & is_subnormal) | (normal & ~is_subnormal));
 }
@@ -39,7 +40,7 @@ inline std::uint16_t clamped_to_half(float value) {
 /// Returns the value of a finite half.
 inline float half_to_float(std::uint16_t bits) {
   const std::uint32_t magnitude = bits & 0x7fffu;
-  // Subnormals count steps of 2^-24; other values get float's exponent.
+  // Subnormals count steps of 2^-24; other values get the exponent of float.
   const float value = magnitude < 0x400u ? static_cast<float>(magnitude) * 0x1p-24f
                                          : std::bit_cast<float>((magnitude << 13) + 0x38000000u);
   return (bits & 0x8000u) != 0 ? -value : value;

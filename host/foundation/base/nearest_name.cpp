@@ -27,9 +27,10 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known) {
   std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // a larger distance means another word
+  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // distances above this value mean another word
   for (const std::string& candidate : known) {
-    // The distance is at least the difference in length; without this test, a name of megabytes would take minutes.
+    // The distance is at least the difference in length; without this test, a name of several megabytes would take
+    // minutes.
     const auto [shorter, longer] = std::minmax({name.size(), candidate.size()});
     if (longer - shorter > least) continue;
     const std::size_t distance = edit_distance(name, candidate);

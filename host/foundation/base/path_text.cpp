@@ -27,14 +27,14 @@ char escaped_byte(std::string_view escape) {
   return static_cast<char>((escape[1] == '\xbe' ? 0x80 : 0xc0) | low);
 }
 
-// Returns the character at `at`, or, with `is_character` false, a byte that is not part of a character.
+// Returns the character at `at`, or a byte that is not part of a character, with `is_character` false.
 std::string_view next_piece(std::string_view text, std::size_t at, bool& is_character) {
   const std::size_t length = character_length(text, at);
   is_character = length > 0;
   return text.substr(at, std::max<std::size_t>(length, 1));
 }
 
-// Escapes all bytes except for characters that `stays` accepts.
+// Escapes all bytes except for characters for which `stays` returns true.
 template <typename Stays>
 std::string escaped(std::string_view bytes, const Stays& stays) {
   std::string text;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores paths in JSON. A file name may hold any byte except for '/' and NUL, but a JSON text holds only characters. A
+// Stores paths in JSON. A file name can hold any byte except '/' and NUL, but a JSON string holds only characters. A
 // byte that is not part of a UTF-8 character is written as one character of the private use area:
 //
 //   byte 80 .. FF   <->   U+EF80 .. U+EFFF        e.g. "caf\xe9.png" is "caf\uefe9.png"
 //
-// A character of that range in a name is escaped too, byte by byte, so that no two names have the same text. All other
+// A character of this range in a name is also escaped, byte by byte, so that no two names have the same text. All other
 // names stay unchanged. In Python, os.fsencode(re.sub("[\uef80-\uefff]", lambda m: chr(ord(m[0]) - 0x1300), text))
 // gives the name.
 #pragma once
@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Returns a valid UTF-8 text for a path.
+/// Returns the valid UTF-8 text that stands for a path.
 std::string text_of_path(std::string_view path);
 std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 
@@ -23,7 +23,8 @@ std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 std::string path_of_text(std::string_view text);
 std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
 
-/// Returns a valid UTF-8 text for a message that quotes paths, some perhaps as texts already: UTF-8 stays unchanged.
+/// Returns a valid UTF-8 text for a message that quotes paths, some of which may already be texts; UTF-8 stays
+/// unchanged.
 std::string text_of_message(std::string_view message);
 
 /// Returns whether text_of_path() leaves the path unchanged. False for every path that is not UTF-8.

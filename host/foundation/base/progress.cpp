@@ -47,9 +47,9 @@ void Progress::report() {
 
 namespace {
 
-// Written by the signal handler, read by any thread: only lock-free atomics are allowed.
+// The signal handler writes it and any thread reads it, so only lock-free atomics are allowed.
 std::atomic<int> g_interrupted{0};
-std::atomic<int> g_interrupted_at{0};  // seconds of a steady clock
+std::atomic<int> g_interrupted_at{0};  // time of the signal, in seconds of a steady clock
 static_assert(std::atomic<int>::is_always_lock_free);
 
 int steady_seconds() {
@@ -58,9 +58,10 @@ int steady_seconds() {
   return static_cast<int>(now.tv_sec);
 }
 
-// The first signal asks politely. A later one ends a program that does not react, but only after a delay: some senders
-// (timeout of coreutils, agents of farms) signal a process and then its group. On an overloaded machine, seconds may
-// pass between the two. A user who presses Ctrl-C again does not wait so long.
+// The first signal tells the program to stop. A later signal ends a program that does not react, but only after a
+// delay, because some senders (timeout of coreutils, agents of farms) signal a process and then its group. On an
+// overloaded machine, seconds can pass between the two signals. A user who presses Ctrl-C again does not wait that
+// long.
 void on_interrupt(int signal) {
   if (g_interrupted == 0) {
     g_interrupted_at = steady_seconds();
@@ -77,8 +78,9 @@ bool is_interrupted() { return g_interrupted != 0; }
 
 namespace {
 
-// LLVM, which OpenCL's driver loads, replaces these handlers with its own, which the first signal removes again
-// (SA_RESETHAND): a second signal at the same moment would end the program. So the handlers are restored regularly.
+// LLVM, which OpenCL's driver loads, replaces these handlers with its own. The first signal removes LLVM's handlers
+// again (SA_RESETHAND), so a second signal at the same moment would end the program. Therefore the handlers are
+// restored regularly.
 void keep_interrupt_handlers() {
   for (const int signal : {SIGINT, SIGTERM}) {
     struct sigaction action = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reports progress of long calls and cancels them. Work is counted in units declared in advance. If a callback returns
-// false, the next advance() throws Cancelled, and the caller's objects clean up as they are destroyed.
+// false, the next advance() throws Cancelled, and the destructors of the caller's objects clean up.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace multum {
 struct ProgressEvent {
   std::string stage;          // the current work: "read", "fit level 3", "write"
   std::uint64_t units_done;   // finished units of all stages together
-  std::uint64_t units_total;  // declared by start(); 0 while unknown
+  std::uint64_t units_total;  // units declared by start(); 0 while unknown
 };
 
 class Progress {
@@ -22,7 +22,8 @@ class Progress {
 
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  /// Declares the whole work. Called once by the outermost long call; if several follow each other, each starts at 0.
+  /// Declares the whole work. Called once by the outermost long call. If several calls follow each other, each starts
+  /// at 0.
   void start(std::uint64_t units_total);
   /// Names the next stage. Throws Cancelled if the callback returns false.
   void stage(const std::string& name);
@@ -37,7 +38,7 @@ class Progress {
   ProgressEvent event_{"", 0, 0};
 };
 
-// The calls above for an optional Progress; null: no listener.
+// The calls above for an optional Progress; null means no listener.
 inline void progress_start(Progress* p, std::uint64_t units) {
   if (p != nullptr) p->start(units);
 }
@@ -51,8 +52,8 @@ inline void progress_finish(Progress* p) {
   if (p != nullptr) p->finish();
 }
 
-/// Returns a Progress for a part of a longer call that counts its own units: it only passes cancellation on. `progress`
-/// must outlive it.
+/// Returns a Progress for a part of a longer call that counts its own units. The result only passes cancellation on.
+/// `progress` must outlive it.
 inline Progress cancel_only(Progress* progress) {
   return Progress([progress](const ProgressEvent&) {
     progress_advance(progress, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records the files that a share of a scene or of an inference made, in OUTPUT/shards/3-of-8.shard. A merge reads the
-// records of all shares; a share that runs again reads its own record.
+// Lists the files that a share of a scene or of an inference made, in the record OUTPUT/shards/3-of-8.shard. A merge
+// reads the records of all shares; a share that runs again reads its own record.
 //
 //   {"multumShare": 1, "kind": "scene", "share": 3, "of": 8, "key": "...", "content": {...}}
 //   SHA-256 of the first line, without its line end
@@ -26,7 +26,7 @@ struct ShareName {
 void write_share_record(const ShareName& share, const std::string& key, const nlohmann::json& content);
 
 /// Reads a record. Throws Error(kEnvironment) that names the file, its fault and the option that makes it, if the
-/// record is missing, damaged, of another share, or of another key.
+/// record is missing or damaged, or belongs to another share or key.
 nlohmann::json read_share_record(const ShareName& share, const std::string& key);
 
 }  // namespace multum

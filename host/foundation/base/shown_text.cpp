@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Accepts UTF-8 as in RFC 3629, section 4: no overlong forms, no surrogates, nothing beyond U+10FFFF. A decoder that
-// accepts more could find a control character where this one finds none.
+// accepts other forms could find a control character where this decoder finds none.
 #include "host/foundation/base/shown_text.h"
 
 #include <unistd.h>
@@ -76,7 +76,7 @@ void write_shown(std::FILE* stream, std::string_view text) {
   const std::string shown = isatty(fileno(stream)) != 0 ? shown_text(text) : "";
   if (!shown.empty()) text = shown;
   const StreamTurn turn;
-  std::fwrite(text.data(), 1, text.size(), stream);  // the stream keeps a failure until it is flushed
+  std::fwrite(text.data(), 1, text.size(), stream);  // the stream stores a failure until it is flushed
 }
 
 void print_shown(std::FILE* stream, const char* format, ...) {

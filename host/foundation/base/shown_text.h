@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shows text to the user of a terminal. File names, contents of files and answers of a service may hold control
 // characters, with which a terminal moves its cursor, changes its title or types for its user. Programs write all text
-// with these functions. Terminals show such characters as \x9b; files and pipes get the bytes unchanged, so that names
-// can be read from them.
+// with these functions. On terminals, such characters appear as \x9b. Files and pipes get the bytes unchanged, so that
+// other programs can read names from them.
 #pragma once
 
 #include <cstdio>
@@ -20,7 +20,7 @@ void write_shown(std::FILE* stream, std::string_view text);
 /// Writes the output of printf() in the same way.
 [[gnu::format(printf, 2, 3)]] void print_shown(std::FILE* stream, const char* format, ...);
 
-/// Escapes DEL and C1 in valid JSON, which holds them only in texts, as \u escapes. JSON parsers read the same value.
+/// Writes DEL and C1 in valid JSON, which holds them only in strings, as \u escapes. JSON parsers read the same value.
 std::string escaped_json(std::string_view json);
 
 /// Returns the length of the UTF-8 character (RFC 3629) at `begin`, which is within the text; 0 if none begins there.
@@ -28,8 +28,8 @@ std::size_t character_length(std::string_view text, std::size_t begin);
 
 /// Returns whether the whole text is UTF-8.
 bool is_utf8(std::string_view text);
-/// Returns whether the text holds a control character: C0 with tab and newline, DEL, C1. Bytes that are not UTF-8 do
-/// not count.
+/// Returns whether the text holds a control character: C0 including tab and newline, DEL, or C1. Bytes that are not
+/// UTF-8 do not count.
 bool holds_control(std::string_view text);
 
 /// Returns the length of `text` without an incomplete UTF-8 character at its end.

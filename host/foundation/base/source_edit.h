@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Edits the text of kernels and shaders, so that a test can run without the guard that it covers. The test then shows
-// what happens without the guard (host/lab/selftest, tests/gl).
+// the effect of the missing guard (host/lab/selftest, tests/gl).
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace multum {
 
 struct SourceEdit {
   std::string file;         // name of the kernel or shader without folder and suffix
-  std::string text;         // occurs in the file at least once
+  std::string text;         // text to replace, which occurs in the file at least once
   std::string replacement;  // for every occurrence
 };
 
 /// Returns `source`, the text of `file`, with the edits for this file. Throws std::logic_error, which names the file,
-/// if an edit's text does not occur: the source has changed and the test has not.
+/// if the text of an edit does not occur, because the source was changed without the test.
 std::string edited_source(std::string_view source, const std::string& file, const std::vector<SourceEdit>& edits);
 
 }  // namespace multum

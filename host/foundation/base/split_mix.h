@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// Returns number `counter` of the sequence by itself, so that threads do not depend on one another.
+/// Computes number `counter` of the sequence directly, so that threads do not depend on one another.
 inline std::uint64_t split_mix(std::uint64_t counter) {
   std::uint64_t z = counter + 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

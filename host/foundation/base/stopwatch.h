@@ -38,7 +38,7 @@ class ThreadStopwatch {
   double start_ = now();
 };
 
-/// Adds the seconds of its own lifetime to `total`.
+/// Adds the seconds of the object's lifetime to `total`.
 class ScopedStopwatch {
  public:
   explicit ScopedStopwatch(double& total) : total_(total) {}

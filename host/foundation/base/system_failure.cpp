@@ -34,7 +34,7 @@ std::string errno_text(int number) {
   if (number == EFBIG) limit = limit_text(RLIMIT_FSIZE, "files may have ", " bytes (ulimit -f)");
   if (number == EMFILE) limit = limit_text(RLIMIT_NOFILE, "this process may have ", " files open (ulimit -n)");
   if (number == ENOMEM) limit = limit_text(RLIMIT_AS, "this process may take ", " bytes of memory (ulimit -v)");
-  // The stack of a thread takes memory too.
+  // The stack of a thread also needs memory.
   if (number == EAGAIN)
     limit = limit_text(RLIMIT_NPROC, "this user may have ", " threads (ulimit -u)") +
             limit_text(RLIMIT_AS, "this process may take ", " bytes of memory (ulimit -v)");

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-// The loader chooses the clone before sanitizers are initialized, so programs with sanitizers get the plain loop.
+// The loader chooses the clone before sanitizers are initialized, so programs with sanitizers use the plain loop.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define MULTUM_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -17,7 +17,8 @@
 
 namespace multum {
 
-/// Doubles that begin at a cache line: the widest registers have the size of one line, and are slow across two.
+/// Doubles that begin at a cache line. The widest registers have the size of one line, and access across two lines is
+/// slow.
 class AlignedRow {
  public:
   explicit AlignedRow(std::size_t count = 0) : lines_((count + 7) / 8) {}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER. Afterwards
 // every SSE instruction of the thread waits to preserve the unneeded upper halves: rounding after a checksum took twice
-// as long. Called after such functions.
+// as long. Call it after such functions.
 #pragma once
 
 namespace multum {

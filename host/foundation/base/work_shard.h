@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides a list of work among several processes, which need not communicate: the number of a share determines its
-// work.
+// Divides a list of work among several processes. The number of a share determines its work, so the processes do not
+// communicate.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace multum {
 
-/// Shares `first` to `last` of `count`, from 1. Pieces are dealt out in turn, so that neighbours, which often have the
-/// same size, go to different shares.
+/// Shares `first` to `last` of `count`, from 1. Pieces are assigned to shares in turn, so that neighbours, which often
+/// have the same size, belong to different shares.
 struct WorkShard {
   int first = 1, last = 1, count = 1;
 
   bool is_whole() const { return first == 1 && last == count; }
-  /// Returns whether these shares have piece number `piece`, from 0.
+  /// Returns whether these shares contain piece number `piece`, counted from 0.
   bool has(std::size_t piece) const {
     const auto share = static_cast<int>(piece % static_cast<std::size_t>(count)) + 1;
     return first <= share && share <= last;

@@ -28,7 +28,8 @@ double blinn_phong_density(float width, double e) {
   return e < 1.0 ? (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e)) : 0.0;
 }
 
-// f = vMF of kappa 1 / (2 sigma^2). Torrance-Sparrow here has F = V = 1: k_s includes Fresnel and shadowing.
+// f is a vMF of kappa 1 / (2 sigma^2). In this form of Torrance-Sparrow, F = V = 1, and k_s includes Fresnel and
+// shadowing.
 constexpr BrdfMember kTorranceSparrowMembers[] = {kSigma};
 constexpr Text kTorranceSparrowFlags[] = {"MULTUM_TORRANCE_SPARROW"},
                kTorranceSparrowFiles[] = {"torrance_sparrow.glsl"};
@@ -43,7 +44,7 @@ double torrance_sparrow_density(float width, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// Cook and Torrance 1982: f as for Torrance-Sparrow, V of V-shaped grooves.
+// Cook and Torrance 1982, with f as for Torrance-Sparrow and V of V-shaped grooves.
 constexpr BrdfMember kCookTorranceMembers[] = {kSigma, kF0};
 constexpr Text kCookTorranceFlags[] = {"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
                kCookTorranceFiles[] = {"torrance_sparrow.glsl", "cook_torrance.glsl"};
@@ -52,7 +53,7 @@ double groove_visibility(float, double n_l, double n_v, double n_h, double v_h) 
   return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), 2.0 * n_h / std::max(v_h, 1e-4) / std::max({n_l, n_v, 1e-4}));
 }
 
-// GGX as in glTF: alpha = roughness^2, Smith's V.
+// GGX as in glTF, with alpha = roughness^2 and Smith's V.
 constexpr BrdfMember kGgxMembers[] = {kRoughness, kF0};
 constexpr Text kGgxFlags[] = {"MULTUM_GGX", "MULTUM_VISIBILITY"},
                kGgxFiles[] = {"cook_torrance.glsl", "ggx.glsl", "ggx_lobe.glsl"};

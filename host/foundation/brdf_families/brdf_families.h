@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of BRDFs: each row holds everything that text forms, scenes, reports, help texts, the schema of jobs,
 // references, fits and shaders need to know about a family. A new family needs a row here and its shader
-// (runtime_gl/shaders/brdf). This layer is below all its readers, so it holds only numbers and texts; a BRDF's values,
-// fits and measurements are in host/formats/brdf. A BRDF times the cosine is
+// (runtime_gl/shaders/brdf). This layer is below all code that reads it, so it holds only numbers and texts. The
+// values, fits and measurements of a BRDF are in host/formats/brdf. A BRDF times the cosine is
 //   k_d / pi (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0),
 // with f the density of facets, F a function of v.h only, and V shadowing and masking over 4 n.l n.v.
 #pragma once
@@ -19,7 +19,7 @@ enum class BrdfField { kExponent, kSigma, kRoughness, kF0 };
 
 struct BrdfMember {
   BrdfField field;
-  std::string_view key;     // in scenes and reports: "roughness"
+  std::string_view key;     // key in scenes and reports: "roughness"
   std::string_view symbol;  // in text forms: "ROUGHNESS"
   double low, high;
   std::string_view unit = {};  // "radians"; empty: a number
@@ -28,7 +28,7 @@ struct BrdfMember {
 /// The approximation of f by vMF lobes around h.
 enum class BrdfFit {
   kNone,       // no highlight
-  kEqualMean,  // one vMF of mean cosine (s + 1) / (s + 2), s the exponent
+  kEqualMean,  // one vMF of mean cosine (s + 1) / (s + 2) for the exponent s
   kOne,        // one vMF, whose kappa is the exponent
   kSum,        // a fitted sum (host/formats/brdf/vmf_terms.h)
 };
@@ -37,24 +37,24 @@ struct BrdfFamily {
   BrdfKind kind;
   std::string_view name;  // "ggx"
   /// The width of f, and F0 if F is Schlick's term. The width has no default; F0 has the default of struct Brdf. Empty
-  /// for a family that is only a name or a file.
+  /// if the family is only a name or a file.
   std::span<const BrdfMember> members = {};
-  bool is_file = false;   // its text form is the path of a measurement
+  bool is_file = false;   // true if the text form is the path of a measurement
   float specular = 0.1f;  // default of k_s
   BrdfFit fit = BrdfFit::kSum;
   double sum_from = 0.0;      // smallest width at which the fitted sum is accurate; errors are measured with the sum
-  bool lights_alone = false;  // no environment; lobes are lit through the fitted sum
-  bool is_normalised = true;  // the integral of f over the sphere is 1
-  /// f per solid angle as a function of e = 1 - n.h, 0..2. Null: no density, or one from a file.
+  bool lights_alone = false;  // true if environments are not supported; lobes are lit through the fitted sum
+  bool is_normalised = true;  // true if the integral of f over the sphere is 1
+  /// f per solid angle as a function of e = 1 - n.h, 0..2. Null if there is no density, or if it comes from a file.
   double (*density)(float width, double e) = nullptr;
-  /// The exponent of the Blinn-Phong lobe of equal width. Null: of the one with the same peak.
+  /// The exponent of the Blinn-Phong lobe of equal width. If null, the lobe with the same peak is used.
   double (*exponent)(float width) = nullptr;
-  /// V at cosines of at least 0, with its shader's bounds at grazing angles. Null: 1.
+  /// V at cosines of at least 0, with the shader's bounds at grazing angles. Null means 1.
   double (*visibility)(float width, double n_l, double n_v, double n_h, double v_h) = nullptr;
   std::span<const std::string_view> shader_flags = {}, shader_files = {};  // files of runtime_gl/shaders/brdf
-  bool shader_takes_terms = false;  // the sum of terms.glsl, with one term per term of the fit
+  bool shader_takes_terms = false;  // true for the sum of terms.glsl, with one shader term per term of the fit
 
-  /// True: F is Schlick's term, and the diffuse part is multiplied by 1 - F.
+  /// True if F is Schlick's term, and the diffuse part is multiplied by 1 - F.
   bool has_f0() const { return !members.empty() && members.back().field == BrdfField::kF0; }
   bool has_width() const { return !members.empty(); }
 };
@@ -62,7 +62,7 @@ struct BrdfFamily {
 /// Returns the families in the order of help texts; the index of each is its kind.
 std::span<const BrdfFamily> brdf_families();
 const BrdfFamily& brdf_family(BrdfKind kind);
-/// Returns null for an unknown name.
+/// Finds a family by name; returns null for an unknown name.
 const BrdfFamily* find_brdf_family(std::string_view name);
 
 /// Density of GGX: alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), t = 1 - e, e = 1 - n.h.

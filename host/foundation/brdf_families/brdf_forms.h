@@ -13,7 +13,7 @@ namespace multum {
 /// `last` is the word before the last one, "" for a comma. `with_f0`: "ggx:ROUGHNESS[,F0]".
 std::string brdf_forms(std::string_view last, bool with_f0 = false);
 
-/// Returns the forms with ranges, and the file form, for messages about a refused text.
+/// Returns the forms with ranges, and the file form, for messages about a rejected text.
 std::string expected_brdf();
 
 /// Returns "a number from 0.05 to 1" or "radians from 0.002 to 1", for example.

@@ -10,14 +10,16 @@
 
 namespace multum {
 
-/// A page's own parts; style and helpers (templates/page.js) are common to all pages. Texts must not hold "</script".
+/// The parts of one page; style and helpers (templates/page.js) are common to all pages. Texts must not hold
+/// "</script".
 struct PageTemplate {
   std::string_view body;    // HTML after the title
   std::string_view style;   // CSS
   std::string_view script;  // JavaScript; runs after `data` is parsed and its "title" shown
 };
 
-/// `data` may hold untrusted text: the page holds it as data, and its script makes text nodes from it.
+/// `data` may hold untrusted text: the page stores the text as data, and the script of the page makes text nodes from
+/// it.
 std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& data);
 
 /// Returns JSON that is safe within a script element: it can neither end nor change the element.

@@ -30,7 +30,7 @@ constexpr std::uint64_t kTruncate = 1 << 14, kDeviceControl = 1 << 15;
 constexpr std::uint64_t kBindTcp = 1 << 0, kConnectTcp = 1 << 1;
 constexpr std::uint64_t kSignals = 1 << 1;
 struct Ruleset {
-  std::uint64_t files = 0, network = 0, scoped = 0;  // accesses that are refused unless a rule allows them
+  std::uint64_t files = 0, network = 0, scoped = 0;  // accesses that are denied unless a rule allows them
 };
 constexpr std::uint64_t kReadFile = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE;
 constexpr std::uint64_t kRead = kReadFile | LANDLOCK_ACCESS_FS_READ_DIR;
@@ -40,7 +40,7 @@ int abi() {
   return static_cast<int>(::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION));
 }
 
-// Returns all accesses that this kernel can refuse.
+// Returns all accesses that this kernel can deny.
 std::uint64_t all_rights(int version) {
   std::uint64_t rights = (std::uint64_t{1} << 13) - 1;
   if (version >= 2) rights |= LANDLOCK_ACCESS_FS_REFER;
@@ -139,7 +139,7 @@ Confinement system_confinement(const Variables& variable) {
                       "/etc/ssl/openssl.cnf"};
   for (const char* drivers : {"/opt/rocm*", "/opt/amdgpu*", "/opt/intel"}) add_matching(allowed.readable, drivers);
   add_drivers(allowed.readable, variable);
-  // In an unpacked archive: PREFIX/bin and PREFIX/lib.
+  // The folders of an unpacked archive are PREFIX/bin and PREFIX/lib.
   const fs::path folder = own_folder();
   allowed.readable.push_back(folder.string());
   allowed.readable.push_back((folder.parent_path() / "lib").string());

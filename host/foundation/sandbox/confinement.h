@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bars a process from files that it does not need, with Linux's Landlock. Whatever path, link or library the process
-// and its children follow later, the system opens only the allowed files. Newer kernels also bar it from TCP (6.7), and
-// from sending signals to processes that are not confined with it (6.12). Landlock needs no privilege and cannot be
+// Blocks access of a process to files that it does not need, with Linux's Landlock. For any path, link or library that
+// the process and its children use later, the system opens only allowed files. Newer kernels also block TCP (6.7), and
+// signals to processes that are not confined with the process (6.12). Landlock needs no privilege and cannot be
 // undone.
 #pragma once
 
@@ -20,8 +20,8 @@ struct Confinement {
 using Variables = std::function<std::string(const char* name)>;
 
 /// Returns a confinement that allows the parts of the machine that every program of this project needs: libraries,
-/// OpenCL and GL drivers and their caches, which are created if missing. It allows little of /etc, no other users'
-/// homes and no temporary folder.
+/// OpenCL and GL drivers and their caches, which are created if missing. The confinement allows few files of /etc, no
+/// homes of other users and no temporary folder.
 Confinement system_confinement(const Variables& variable);
 
 /// Returns the entry of `allowed` that contains `path`, which need not exist; "" if there is none. Follows links.
@@ -31,7 +31,7 @@ std::string part_that_holds(const Confinement& allowed, const std::string& path)
 bool can_confine();
 
 /// Confines this thread, and everything that it starts, to `allowed` from now on. Returns false if the kernel cannot.
-/// Throws Error(kEnvironment) when the kernel refuses.
+/// Throws Error(kEnvironment) if the kernel reports an error.
 bool confine_this_thread(const Confinement& allowed);
 
 }  // namespace multum

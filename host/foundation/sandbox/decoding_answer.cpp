@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Throws the error of a refusal, or std::out_of_range if the answer is cut; returns for other answers.
+// Throws the error that an answer contains, or std::out_of_range if the answer is cut; otherwise returns.
 void throw_refusal(const AskedFile& file, std::string_view answer) {
   MessageReader in(answer);
   const DecodingAnswer kind{in.number<std::uint8_t>()};
@@ -75,8 +75,8 @@ void refuse_as_answered(const AskedFile& file, std::string_view answer) {
 bool has_allowed_memory() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return true;
-  if (limit.rlim_cur == limit.rlim_max) return false;       // the parent could not allow as much as intended
-  constexpr std::uint64_t kSlack = std::uint64_t{4} << 20;  // for the C library's own allocations
+  if (limit.rlim_cur == limit.rlim_max) return false;       // the parent could not allow the intended amount
+  constexpr std::uint64_t kSlack = std::uint64_t{4} << 20;  // margin for the C library's own allocations
   const std::uint64_t taken = data_bytes() + kSlack;
   if (limit.rlim_cur <= taken) return true;
   const std::size_t rest = limit.rlim_cur - taken;

@@ -30,8 +30,8 @@ struct AskedFile {
   std::uint64_t memory_max;
 };
 
-/// Throws the child's Error; Error(kInput) if the file needs more memory than its limit, or its decoding ended without
-/// a valid answer; Error(kEnvironment) if this machine has less memory than the limit.
+/// Throws the child's Error, or Error(kInput) if the file needs more memory than its limit, or its decoding ended
+/// without a valid answer; Error(kEnvironment) if this machine has less memory than the limit.
 [[noreturn]] void refuse_as_answered(const AskedFile& file, std::string_view answer);
 
 /// Parses an answer with `read(MessageReader&)` if the request was done; otherwise throws Error like
@@ -50,11 +50,11 @@ auto parse_answer(const AskedFile& file, std::string_view answer, const Read& re
 }
 
 /// Returns whether the system would give this process all memory that its limit RLIMIT_DATA still allows. If so, a
-/// failed allocation exceeded the limit. If not, another limit was in the way: the address space, the machine's memory
-/// (on systems that do not overcommit), or an administrator's own RLIMIT_DATA.
+/// failed allocation exceeded the limit. If not, another limit was reached first: the address space, the machine's
+/// memory (on systems that do not overcommit), or an administrator's own RLIMIT_DATA.
 bool has_allowed_memory();
 
-/// The child's side: returns the answer of `work`, or its Error as an answer. has_allowed_memory() decides which answer
+/// Returns, in the child, the answer of `work`, or its Error as an answer. has_allowed_memory() decides which answer
 /// reports exhausted memory.
 std::string answer_or_refusal(const std::function<std::string()>& work);
 

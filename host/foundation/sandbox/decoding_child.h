@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes files in a child process (tools/multum_decode), because libraries crash on some files. The child returns
-// numbers in shared memory. A child that has read a whole file reads the next one too; a child that failed is replaced,
-// so one file's failure never affects another file. Each kind of file sets its own limits:
+// numbers in shared memory. A child that has read a whole file also reads the next file. A child that failed is
+// replaced, so the failure of one file never affects another file. Each kind of file sets its own limits:
 // host/formats/image/files/child_image_file.cpp, host/formats/mesh/mesh_source.cpp.
 #pragma once
 
@@ -16,7 +16,8 @@
 
 namespace multum {
 
-/// Returns multum-decode in the folder of the running program: both must be of the same build, so PATH is not searched.
+/// Returns multum-decode in the folder of the running program: both programs must be of the same build, so PATH is not
+/// searched.
 std::string decoder_beside_this_program();
 
 /// Base limits of a child for one request; larger files add to them.

@@ -36,7 +36,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTick = std::chrono::milliseconds(50);
 constexpr auto kGapMax = 4 * kTick;
 constexpr std::uint64_t kAnswerMax = std::uint64_t{64} << 20;  // bytes
-constexpr int kFirstFree = 16;                                 // above all descriptors that the child is given
+constexpr int kFirstFree = 16;                                 // a number above all descriptors that the child gets
 
 [[noreturn]] void fail(const char* what) { fail_by_errno("a process that decodes files", what); }
 
@@ -50,8 +50,8 @@ int moved_away(int descriptor) {
   return moved;
 }
 
-// The child stays in this process's group, and ends with this process; signals that a terminal sends to the group are
-// for this process only.
+// The child stays in this process's group, and ends with this process; only this process handles signals that a
+// terminal sends to the group.
 pid_t spawn_helper(const std::string& program, int socket, int memory, int last_words) {
   return spawn_process({program}, {.files = {{last_words, STDOUT_FILENO},
                                              {last_words, STDERR_FILENO},
@@ -80,7 +80,7 @@ std::chrono::nanoseconds processor_time(pid_t pid) {
   return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
-// 'R' after "TID (NAME) " (proc(5)): the thread runs, or waits only for a processor.
+// 'R' after "TID (NAME) " (proc(5)): the thread is running, or waits only for a processor.
 bool is_thread_ready(const std::string& folder) {
   std::FILE* file = std::fopen((folder + "/stat").c_str(), "re");
   if (file == nullptr) return false;
@@ -92,7 +92,7 @@ bool is_thread_ready(const std::string& folder) {
   return name_end != std::string_view::npos && line.substr(name_end + 2).starts_with('R');
 }
 
-// Returns whether any thread is ready: libraries decode in threads of their own, for which the first thread waits.
+// Returns whether any thread is ready: libraries decode in their own threads, and the first thread waits for these.
 bool is_ready_to_run(pid_t pid) {
   std::error_code error;
   std::filesystem::directory_iterator threads(fmt::format("/proc/{}/task", pid), error), end;
@@ -101,8 +101,8 @@ bool is_ready_to_run(pid_t pid) {
   return false;
 }
 
-// Returns whether inherited limits may leave a child less memory than HelperLimits allow. Its libraries take address
-// space too: 360 MB were measured (OpenImageIO and assimp of Debian 12).
+// Returns whether inherited limits may leave a child less memory than HelperLimits allow. Its libraries also need
+// address space: 360 MB were measured (OpenImageIO and assimp of Debian 12).
 bool may_lack_memory(std::uint64_t memory_max) {
   constexpr std::uint64_t kLibraries = std::uint64_t{1} << 29;
   rlimit space = {}, data = {};
@@ -116,8 +116,8 @@ std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
 
-// Returns the most informative line that a program printed before its end: of an exception or a sanitizer, else the
-// last one.
+// Returns the most informative line that a program printed before its end: a line about an exception or a sanitizer,
+// else the last line.
 std::string essence(std::string_view said) {
   constexpr std::size_t kLengthMax = 200;
   std::string_view last, chosen;
@@ -167,7 +167,7 @@ HelperProcess::~HelperProcess() {
 int HelperProcess::kill_and_wait() {
   if (pid_ <= 0) return 0;
   ::close(std::exchange(socket_, -1));
-  ::kill(pid_, SIGKILL);  // no effect on a child that is ending already
+  ::kill(pid_, SIGKILL);  // has no effect on a child that is already ending
   int status = 0;
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }
@@ -175,8 +175,8 @@ int HelperProcess::kill_and_wait() {
   return status;
 }
 
-// The child has closed its end of the socket. It is usually ending by itself; then its status tells how it ended. A
-// child that does not end is killed.
+// The child has closed its end of the socket. Usually the child is ending by itself, and its status tells how it ended.
+// A child that does not end is killed.
 int HelperProcess::wait_for_end() {
   constexpr int kTries = 200;
   int status = 0;
@@ -230,7 +230,7 @@ void HelperProcess::hold_to(const HelperLimits& limits) {
   const auto seconds = static_cast<rlim_t>(limits.time_max.count()) / 1000 + 1;
   processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.count()) + 1 + seconds * cores);
   ::prlimit(pid_, RLIMIT_CPU, &processor, nullptr);
-#ifndef MULTUM_SHADOW_MEMORY  // sanitizers' shadow memory needs terabytes
+#ifndef MULTUM_SHADOW_MEMORY  // the shadow memory of sanitizers needs terabytes
   if (memory_max_ == limits.memory_max) return;
   rlimit memory = {};
   ::prlimit(pid_, RLIMIT_DATA, nullptr, &memory);
@@ -253,8 +253,8 @@ void HelperProcess::send(std::string_view request) {
   }
 }
 
-// Adds the time since the last look; for a child that is ready to run, only its processor time. After a long gap this
-// process was stopped or had no processor, and the child's state meanwhile is unknown, so the gap is capped.
+// Adds the time since the last call, or only the processor time if the child is ready to run. After a long gap, this
+// process was stopped or had no processor, and the child's state during the gap is unknown, so the gap is capped.
 void HelperProcess::Stopwatch::look(pid_t pid) {
   const auto now = Clock::now();
   const auto ran = processor_time(pid);

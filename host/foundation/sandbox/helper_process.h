@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a child for work that may end a process: libraries that crash on broken files. Requests and answers are messages
-// over a socket; results are in shared memory; the child's memory and time are limited. Its crash, its silence and its
-// excess memory become exceptions in this process.
+// over a socket; results are in shared memory; the child's memory and time are limited. A crash, missing answers and
+// excess memory of the child become exceptions in this process.
 //
 //   this process                        the child (host/foundation/sandbox/helper_service.h)
 //   ask("...")      -- socket, fd 3 -->  answer("...")
@@ -22,15 +22,15 @@
 
 namespace multum {
 
-/// Limits of one request. Above the memory limit, the child's own allocations fail; if they do not, it is killed. Above
-/// the time limit it is killed; time in which it is ready to run while other programs have the processors does not
+/// Limits of one request. Above the memory limit, the child's allocations fail, or else the child is killed. Above the
+/// time limit, the child is killed; time in which it is ready to run while other programs use the processors does not
 /// count. The processor time of all its threads is limited to time_max per core.
 struct HelperLimits {
   std::uint64_t memory_max;  // writable bytes in total, without the shared memory
   std::chrono::milliseconds time_max;
 };
 
-/// The child has ended; what() says how: "was ended by signal 11 (Segmentation fault)".
+/// Thrown if the child has ended; what() tells how: "was ended by signal 11 (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}
@@ -45,8 +45,8 @@ class HelperEnded : public std::runtime_error {
 
 class HelperProcess {
  public:
-  /// Throws Error(kEnvironment) when the program cannot be started. The child has only the files listed above, does not
-  /// receive Ctrl-C, and ends when this process ends in any way.
+  /// Starts the program; throws Error(kEnvironment) if it cannot be started. The child has only the files listed above,
+  /// does not receive Ctrl-C, and ends when this process ends in any way.
   explicit HelperProcess(const std::string& program);
   ~HelperProcess();
   HelperProcess(const HelperProcess&) = delete;
@@ -57,8 +57,8 @@ class HelperProcess {
   bool is_alive() const { return pid_ > 0; }
   SharedMemory& memory() { return memory_; }
 
-  /// Returns the child's answer. Calls `while_waiting` a few times per second; if it throws, the child is killed.
-  /// Throws HelperEnded if the child has ended, in this call and in later ones.
+  /// Returns the child's answer. Calls `while_waiting` a few times per second; if this function throws, the child is
+  /// killed. Throws HelperEnded if the child has ended, in this call and in later ones.
   std::string ask(std::string_view request, const HelperLimits& limits, const std::function<void()>& while_waiting);
 
  private:

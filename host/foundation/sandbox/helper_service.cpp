@@ -45,7 +45,7 @@ bool send(std::string_view bytes) {
   return true;
 }
 
-// Forbids core files, and limits the output of libraries.
+// Disables core files, and limits the output of libraries.
 void limit_files() {
   const rlimit none = {0, 0}, little = {1 << 20, 1 << 20};
   ::setrlimit(RLIMIT_CORE, &none);
@@ -69,7 +69,7 @@ int serve_helper(const std::function<std::string(std::string_view request, Share
     size = text.size();
     if (!send({reinterpret_cast<const char*>(&size), sizeof(size)}) || !send(text)) break;
   }
-  std::_Exit(0);  // skips destructors: a library may have corrupted its state
+  std::_Exit(0);  // skips destructors, because a library may have corrupted its state
 }
 
 }  // namespace multum

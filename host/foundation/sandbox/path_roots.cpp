@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// glibc 2.36 has no openat2(). Names with links fail: links were resolved when the path was checked.
+// glibc 2.36 has no openat2(). Names with links fail, because links were resolved during the check of the path.
 int open_below(int root, const std::string& relative, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags | O_CLOEXEC | O_NOFOLLOW);
@@ -35,8 +35,8 @@ bool is_below(const std::string& path, const std::string& folder) {
   return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
 }
 
-// Resolves a name that does not exist: its existing beginning, and links whose targets are missing. Otherwise a link in
-// a root would reveal which files exist outside.
+// Resolves a name that does not exist: resolves its existing beginning, and links whose targets are missing. Otherwise
+// a link in a root would reveal which files exist outside.
 fs::path place_of(const fs::path& path) {
   constexpr int kLinksMax = 40;  // the system's own limit
   fs::path place = "/", rest = path;
@@ -92,7 +92,7 @@ PathRoots::PathRoots(const std::vector<std::string>& roots) {
 }
 
 OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const {
-  // Chooses the deepest root, since roots may be nested.
+  // Chooses the deepest root, because roots can be nested.
   std::size_t best = roots_.size();
   for (std::size_t i = 0; i < roots_.size(); ++i)
     if ((canonical == roots_[i] || is_below(canonical, roots_[i])) &&
@@ -143,7 +143,7 @@ std::string PathRoots::input(const std::string& path) const {
                                                path, fmt::join(roots_, ", ")));
   std::error_code error;
   const fs::path canonical = fs::canonical(path, error);
-  // Names outside the roots are refused first, so that the answer does not reveal whether they exist.
+  // Names outside the roots are rejected first, so that the answer does not reveal whether they exist.
   if (error) {
     if (!is_inside(place_of(path).string())) refuse(path);
     throw Error(ErrorCode::kUsage, fmt::format("{}: there is no such file", path));

@@ -29,10 +29,10 @@ class PathRoots {
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
 
-  /// Opens a path returned by input() for reading. Throws Error(kUsage) if it no longer is a file below its root: the
-  /// file was removed or replaced by a link, or the root is another folder.
+  /// Opens a path returned by input() for reading. Throws Error(kUsage) if the path is no longer a file below its root:
+  /// the file was removed or replaced by a link, or the root is another folder.
   OpenFile open_input(const std::string& canonical) const;
-  /// Opens the folder of a path returned by output(). Throws likewise.
+  /// Opens the folder of a path returned by output(). Throws like open_input().
   OpenFile open_folder_of(const std::string& canonical) const;
 
  private:

@@ -8,9 +8,9 @@ namespace multum {
 
 class SharedMemory {
  public:
-  /// Throws Error(kEnvironment) when the system refuses.
+  /// Creates shared memory. Throws Error(kEnvironment) if the system cannot provide it.
   SharedMemory();
-  /// Uses memory of another process through the descriptor received from it; does not close the descriptor.
+  /// Uses memory of another process through a descriptor from that process; does not close the descriptor.
   explicit SharedMemory(int descriptor);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
@@ -18,9 +18,9 @@ class SharedMemory {
 
   int descriptor() const { return descriptor_; }
   /// Returns memory of at least `byte_count` bytes, with its earlier contents and zeros after them, perhaps at another
-  /// address. Never shrinks: a process that maps more than exists would crash.
+  /// address. Never shrinks the memory, because a process that maps more memory than exists would crash.
   std::byte* reserve(std::size_t byte_count);
-  /// Maps the whole memory in its present size, since the other process may have extended it.
+  /// Maps the whole memory in its present size, because the other process may have extended it.
   std::byte* see(std::size_t& byte_count);
 
  private:

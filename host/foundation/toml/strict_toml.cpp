@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Shortens the message: it quotes names and texts of the file, which may be megabytes.
+// Shortens the message, because it quotes names and texts of the file, which can have megabytes.
 [[noreturn]] void refuse_at(const std::string& file, std::uint32_t line, std::string what) {
   constexpr std::size_t kBytesMax = 1000;
   if (what.size() > kBytesMax)
@@ -59,7 +59,7 @@ std::string read_text(const std::string& path, const std::string& expected, std:
   refuse_at(path, line, "holds the character NUL (\\u0000), which no string or key may contain");
 }
 
-// Functions that take names stop at NUL, so two parts of a program would see two different names. TomlLimits bound the
+// System functions end names at NUL, so two parts of a program would see two different names. TomlLimits bound the
 // recursion.
 void refuse_nul_in(const std::string& path, const toml::node& node) {
   if (const auto* text = node.as_string(); text != nullptr && text->get().find('\0') != std::string::npos)

@@ -19,13 +19,13 @@
 
 namespace multum {
 
-/// Parses the file. Throws Error(kInput) when it cannot be read, exceeds a limit or is not TOML; `expected` is, for
-/// example, "a job as PAGE describes it". Reads no more bytes than the limit, also of a pipe or a device.
+/// Parses the file. Throws Error(kInput) if it cannot be read, exceeds a limit or is not TOML; `expected` is, for
+/// example, "a job as PAGE describes it". Never reads more bytes than the limit, even from a pipe or a device.
 toml::table parse_toml(const std::string& path, const std::string& expected, const TomlLimits& limits = {});
 
 struct NumberRange {
   double low = 0.0, high = 0.0;
-  bool low_open = false, high_open = false;  // the end is outside the range
+  bool low_open = false, high_open = false;  // true if the end itself is outside the range
   std::string text;                          // "a number above 0"
 };
 
@@ -37,7 +37,8 @@ inline const NumberRange kFromZero = {0.0, std::numeric_limits<double>::infinity
 class StrictTable {
  public:
   /// Messages prefix keys with `name` (for example "texture": "texture.wrap"); it is empty for the top table. Keys that
-  /// are not among `keys` are refused at once, with the nearest known key. `whole` names the file's contents.
+  /// are not in `keys` are rejected at once, and the message names the nearest known key. `whole` names the file's
+  /// contents.
   StrictTable(const std::string& file, const toml::table& table, std::string name, const std::vector<std::string>& keys,
               std::string whole = "the job");
 
@@ -45,7 +46,7 @@ class StrictTable {
   /// Returns the existing keys in alphabetical order, for tables whose keys are names.
   std::vector<std::string> keys() const;
 
-  /// Returns the key's value, or `fallback` if the key is missing; without a fallback the key is required.
+  /// Returns the key's value, or `fallback` if the key is missing; without a fallback, the key is required.
   std::string text(const std::string& key, const std::optional<std::string>& fallback = {}) const;
   /// Returns the path that the text encodes (host/foundation/base/path_text.h): TOML is UTF-8, but file names may not
   /// be.
@@ -65,7 +66,7 @@ class StrictTable {
   glm::dmat4 matrix(const std::string& key) const;
   /// Returns the table of this key; an empty one if it is missing.
   const toml::table& table(const std::string& key) const;
-  /// Returns the tables of [[key]]: at least one, unless the key may be missing.
+  /// Returns the tables of [[key]]; at least one is required, unless the key may be missing.
   std::vector<const toml::table*> tables(const std::string& key, bool is_required = true) const;
 
   /// Throws Error(kInput): "FILE:LINE: KEY is WHAT"; `key` may be empty, for the table itself.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts the text into keys, headers and values in the same way as toml++. After the first error, at which toml++ stops,
-// the scan may differ from toml++ without harm.
+// Cuts the text into keys, headers and values in the same way as toml++. After the first error, toml++ stops, so
+// differences between the scan and toml++ do not matter there.
 //
 //     [a.b]                              depth 2                          items 1 (the table) + 2
 //     c.d = [1, {e.f = "x.y"}]  # g.h    depth 2 + 2 + 1 (array) + 1 (table) + 2    items + 2 + 1 + 1 + 1 + 2 + 1
@@ -78,8 +78,8 @@ class TomlScan {
     in_key_ = true;
   }
 
-  // Handles '.' and '=' of a key. In values these characters have no meaning; a value that begins with one comes here
-  // too.
+  // Handles '.' and '=' of a key. In values, these characters have no meaning; values that begin with one are also
+  // handled here.
   void separate(char c) {
     ++at_;
     if (in_key_ && c == '.' && ++dots_ > limits_.dot_max) refuse("dots in keys and headers", limits_.dot_max);
@@ -179,7 +179,7 @@ class TomlScan {
   bool is_array_of_tables_ = false;
   std::size_t header_begin_ = 0;
   int header_parts_ = 0;
-  int depth_ = 0;  // parts of the header, parts of each open level's key, and brackets
+  int depth_ = 0;  // depth: parts of the header, parts of each open level's key, and brackets
   std::size_t items_ = 0, dots_ = 0;
   std::set<std::string_view> array_names_;
 };

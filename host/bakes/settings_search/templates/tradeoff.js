@@ -14,7 +14,7 @@ const COSTS = [
   { title: "Work of a frame", unit: "milliseconds", front: "frame_work", of: (row) => row.frame_work_ms ?? -1 },
 ];
 
-// Rows that are only drawn have no fronts.
+// Rows that are only drawn have no `fronts`.
 const isMeasured = (row) => row.fronts !== undefined;
 const isOnFront = (row) => isMeasured(row) && Object.values(row.fronts).includes(true);
 const fits = (row) => row.fits !== false;
@@ -53,7 +53,8 @@ function choice() {
     node("pre", {}, row.command)];
 }
 
-// Shapes distinguish the groups on paper too: corners around the mark's centre; a circle has none.
+// Shapes also distinguish the groups on paper. Each shape lists corners around the mark's centre; a circle has no
+// corners.
 const SHAPES = [
   null,
   [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],
@@ -74,7 +75,7 @@ function mark(shape, x, y, classes, title) {
   return svgNode("polygon", { class: classes, points }, titled);
 }
 
-// Ticks of a logarithmic axis: 1, 2 and 5 times powers of ten within the range; over many decades only powers.
+// Ticks of a logarithmic axis: 1, 2 and 5 times powers of ten within the range; for many decades, only the powers.
 function ticks(low, high) {
   const all = [];
   for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; ++decade)

@@ -64,7 +64,7 @@ const float* values_of(const MomentLevel& rows, MomentPart kind) {
 
 class MomentPortion : public BakedRows {
  public:
-  /// Only the writer's thread uses `scan` until that thread ends.
+  /// Until the writer's thread ends, only this thread uses `scan`.
   MomentPortion(const BakedHeader& header, MomentScan& scan, int level, MomentLevel rows)
       : header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -193,7 +193,7 @@ void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, co
   for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l) {
     const MomentLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     for (int row = 0; row < level.height; row += options.tile_size) {
-      progress_advance(progress, 0);  // gives the caller a chance to cancel
+      progress_advance(progress, 0);  // lets the caller cancel
       writer.write_level(l, row, rows_of(level, row, std::min(options.tile_size, level.height - row)));
     }
   }

@@ -43,7 +43,7 @@ class MomentWriter {
 class MomentReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
-  /// expected. `threads` decompress; 0: one per core.
+  /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit MomentReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MomentReader();
   MomentReader(const MomentReader&) = delete;

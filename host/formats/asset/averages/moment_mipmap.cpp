@@ -16,8 +16,8 @@
 namespace multum {
 namespace {
 
-// Relative to the square of the mean. The rounding of floats gives smaller variances (level 0: 2^-24; averages: a
-// few times that).
+// Relative to the square of the mean. The rounding of floats causes smaller variances (2^-24 at level 0, a few times
+// 2^-24 for averages).
 constexpr double kVarianceZero = 1e-6;
 
 // Returns E[b^2] about the rounded mean. Rounds to nearest if there is a variance; otherwise rounds down, so that
@@ -50,7 +50,7 @@ bool quantize_direction(glm::vec3& n) {
   return true;
 }
 
-// Rounds single directions, and the other normals as lobes of amplitude 1
+// Rounds single directions as such, and all other normals as lobes of amplitude 1
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 void quantize_normals(glm::vec3* normals, std::size_t count) {
   MovmfLevel lobe{0, 1, {{}}, {}};
@@ -105,7 +105,7 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
 }
 
 float least_slope_deviation(StorageEncoding encoding) {
-  // Rounding to nearest half moves E[b^2] by at most 2^-11 of its value. Float averages take up to 15 pairwise
+  // Rounding to nearest half moves E[b^2] by at most 2^-11 of its value. Float averages have up to 15 pairwise
   // roundings along a row of 32768 texels, each at most 2^-24 of the sum. The rounding of the mean counts twice.
   constexpr double kQuarter = 0.25;
   const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -11) : std::ldexp(1.0, -19);

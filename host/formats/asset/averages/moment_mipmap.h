@@ -18,7 +18,7 @@
 namespace multum {
 
 /// Smallest z used for slopes, which grow without bound towards the horizon. Normals with a smaller z use this z, so
-/// that no slope exceeds 20 (87.1 degrees) and no product exceeds 400. Half floats hold both.
+/// that no slope exceeds 20 (87.1 degrees) and no product exceeds 400. Half floats can store both limits.
 constexpr float kSlopeZMin = 0.05f;
 constexpr float kSlopeMax = 20.0f;
 
@@ -40,7 +40,7 @@ struct MomentLevel {
   int height = 0;
   std::vector<SlopeMoments> slopes;  // [y * width + x]
   std::vector<glm::vec3> normals;    // mean vector, |n| <= 1
-  std::vector<glm::vec3> colours;    // mean linear RGB; empty: the map has no colours
+  std::vector<glm::vec3> colours;    // mean linear RGB; empty if the map has no colours
   std::vector<float> weights = {};   // mean weights of basis BRDFs; may be empty
 };
 
@@ -71,7 +71,7 @@ void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, co
                          Progress* progress = nullptr);
 
 /// Reads a baked file of moments. Throws Error(kInput) naming the file, what was found and what was expected.
-/// `threads` decompress; 0: one per core.
+/// Decompresses with `threads` threads; 0 means one per core.
 MomentMipmap read_moment_mipmap(const std::string& path, int threads = 0);
 
 /// Reads only the header, which is cheap for files of any size.

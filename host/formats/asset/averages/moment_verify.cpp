@@ -21,8 +21,8 @@ struct MomentScan::Texels {
 namespace {
 
 // Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
-// moment; a length may differ by this amount. Rounding down takes up to a whole step of the square, 2^-10 of its
-// value; averaging in float takes about 2^-24.
+// moment; a length may differ by this amount. Rounding down subtracts up to a whole step of the square, 2^-10 of its
+// value; averaging in float adds an error of about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 

@@ -45,7 +45,7 @@ std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
 
 class ShPortion : public BakedRows {
  public:
-  /// Only the writer's thread uses `scan` until that thread ends.
+  /// Until the writer's thread ends, only this thread uses `scan`.
   ShPortion(int order, const BakedHeader& header, ShScan& scan, int level, ShLevel rows)
       : order_(order), header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -93,7 +93,7 @@ std::vector<Imf::Header> make_sh_headers(const BakedHeader& header, int order, c
 int sh_tile_size(int map_width, int order, int default_size) {
   constexpr std::uint64_t kWaitingMax = std::uint64_t{64} << 20;
   constexpr int kLeast = 16;
-  // Twice the row size of the finest level: all coarser levels together are as wide as the finest.
+  // Twice the row size of the finest level, because all coarser levels together are as wide as the finest level.
   const std::uint64_t row_bytes = 2 * static_cast<std::uint64_t>(map_width) *
                                   static_cast<std::uint64_t>(sh_coefficient_count(order)) * sizeof(float);
   int size = default_size;
@@ -209,7 +209,7 @@ void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const Bake
   exact.measured_error_bytes = static_cast<int>(mipmap.header.provenance.measured_error.size());
   ShWriter writer(path, mipmap.header, mipmap.order, exact);
   for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l) {
-    progress_advance(progress, 0);  // gives the caller a chance to cancel
+    progress_advance(progress, 0);  // lets the caller cancel
     const ShLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     writer.write_level(l, 0, level);
   }

@@ -12,9 +12,9 @@
 
 namespace multum {
 
-/// Returns the side of tiles: the default if a row of tiles is small, less if each texel has many coefficients. The
-/// writer holds an unfinished row of tiles for every level. The result depends only on the arguments, so that a file
-/// always has the same bytes.
+/// Returns the side of tiles: the default if a row of tiles is small, a smaller side if each texel has many
+/// coefficients. The writer holds an unfinished row of tiles for every level. The result depends only on the arguments,
+/// so that a file always has the same bytes.
 int sh_tile_size(int map_width, int order, int default_size);
 
 /// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
@@ -44,7 +44,7 @@ class ShWriter {
 class ShReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
-  /// expected. `threads` decompress; 0: one per core.
+  /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit ShReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~ShReader();
   ShReader(const ShReader&) = delete;

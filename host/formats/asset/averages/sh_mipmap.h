@@ -21,8 +21,8 @@ namespace multum {
 struct ShLevel {
   int width = 0;
   int height = 0;
-  std::vector<std::vector<glm::vec4>> parts;  // [part][y * width + x]; empty: not stored
-  std::vector<glm::vec3> colours;             // mean linear RGB; empty: the map has no colours
+  std::vector<std::vector<glm::vec4>> parts;  // [part][y * width + x]; empty if not stored
+  std::vector<glm::vec3> colours;             // mean linear RGB; empty if the map has no colours
   std::vector<float> weights = {};            // mean weights of basis BRDFs; may be empty
 
   /// Returns coefficient `coefficient` of texel `i`.
@@ -56,7 +56,7 @@ void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const Bake
                      Progress* progress = nullptr);
 
 /// Reads a baked file of spherical harmonics. Throws Error(kInput) naming the file, what was found and what was
-/// expected. `threads` decompress; 0: one per core.
+/// expected. Decompresses with `threads` threads; 0 means one per core.
 ShMipmap read_sh_mipmap(const std::string& path, int threads = 0);
 
 /// Reads only the header, which is cheap for files of any size. Levels have a size but no texels.

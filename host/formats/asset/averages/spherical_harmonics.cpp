@@ -12,7 +12,7 @@ namespace multum {
 std::vector<ShStep> sh_recurrence(int order) {
   MULTUM_CHECK(order >= 0 && order <= kShOrderMax);
   std::vector<ShStep> steps;
-  double diagonal = kShConstant;  // p_mm without the factor sqrt(2) of Y_lm and Y_l,-m
+  double diagonal = kShConstant;  // p_mm without the factor sqrt(2), which Y_lm and Y_l,-m have
   for (int m = 0; m <= order; ++m) {
     if (m > 0) diagonal *= std::sqrt((2.0 * m + 1.0) / (2.0 * m));
     steps.push_back({static_cast<float>(m > 0 ? std::sqrt(2.0) * diagonal : diagonal), 0.0f});

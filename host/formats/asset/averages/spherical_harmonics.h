@@ -54,8 +54,8 @@ ZonalCoefficients zonal_lambert(int order);
 /// BRDF's width multiplies the bands of a finest normal by them (kernels/device/vmf_zonal.clh).
 ZonalCoefficients zonal_vmf(int order, double mean_cosine);
 /// Coefficients of max(t, 0) for normals whose bands a BRDF's width has weakened, as zonal_vmf() does. Divides by the
-/// vMF coefficients of the map's mean cosine (BakedHeader::mean_cosine). No divisor is below 0.1, because smaller
-/// bands hold little but rounding.
+/// vMF coefficients of the map's mean cosine (BakedHeader::mean_cosine). No divisor is below 0.1, because smaller bands
+/// contain mostly rounding errors.
 ZonalCoefficients zonal_lambert_of_rough(int order, double mean_cosine);
 
 }  // namespace multum

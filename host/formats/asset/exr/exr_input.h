@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets OpenEXR read a file opened by host/foundation/base/files/regular_file. Given a name, the library would wait for
+// Lets OpenEXR read a file opened by host/foundation/base/files/regular_file. If OpenEXR got a name, it would wait for
 // a FIFO.
 #pragma once
 

@@ -85,7 +85,7 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
 
 ExrOutputStream::ExrOutputStream(const AtomicFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
 
-// The library may swallow exceptions thrown here; close() throws them again.
+// The library can discard exceptions thrown here; close() throws them again.
 void ExrOutputStream::write(const char values[], int count) {
   if (!file_.write(values, static_cast<std::size_t>(count))) throw std::runtime_error(file_.failure());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces the deflate that OpenEXR calls with faster libraries; the .cpp file says why.
+// Replaces the deflate function that OpenEXR calls by faster libraries; the .cpp file gives the reasons.
 #pragma once
 
 namespace multum {

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// In floats, a smaller 2 sigma^2 is indistinguishable from a single direction: 8 roundings of 2^-24.
+// In floats, a 2 sigma^2 below this value (8 roundings of 2^-24) is indistinguishable from a single direction.
 constexpr double kSpreadZero = 5e-7;
 
 float clamped_step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }
@@ -37,9 +37,9 @@ float grid_inwards(double value, StorageEncoding encoding) {
 }
 
 // Rounds the mean to nearest, then the third value about the rounded mean. If the third value would exceed a, the mean
-// is rounded inwards instead: E|p|^2 never exceeds a, and snorm16 cannot store more. A single direction gets its third
-// value rounded down, so that readers clamp its variance to 0. NaN and infinity stay, so that verify_movmf() reports
-// them.
+// is rounded inwards instead: E|p|^2 never exceeds a, and snorm16 cannot store more. For a single direction, the third
+// value is rounded down, so that readers clamp its variance to 0. NaN and infinity stay unchanged, so that
+// verify_movmf() reports them.
 glm::vec4 round_gaussian(const glm::vec4& lobe, double a, StorageEncoding encoding) {
   if (a <= 0.0) return glm::vec4(0.0f);
   const double spread = planar_spread(lobe), scale = a / static_cast<double>(lobe.w);
@@ -81,7 +81,7 @@ glm::vec3 rough_point(const glm::vec3& shortened) {
   return {p, std::min(square + 2.0 * spread / (1.0 + spread) * (1.0 - 0.5 * square), 1.0)};
 }
 
-// Inverts v = spread / (1 + spread) (1 - |p|^2 / 2). If the rim has cut v off, returns the least possible spread.
+// Inverts v = spread / (1 + spread) (1 - |p|^2 / 2). If v was cut off at the rim, returns the smallest possible spread.
 glm::vec3 shortened_normal(const glm::vec3& rough_point) {
   const glm::dvec2 p(rough_point);
   const double square = std::min(glm::dot(p, p), 1.0);

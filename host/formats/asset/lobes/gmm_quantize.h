@@ -5,8 +5,8 @@
 //   a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a        mu = mean (n_x, n_y), sigma^2 = variance of one coordinate
 //
 // All are linear in the normals, so a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a mu)/T(a)|^2.
-// Near the rim this is a small difference of numbers near 1, and independent rounding would leave little of it. So
-// the third value is rounded last, about the rounded mean: one rounding error instead of three
+// Near the rim this is a small difference of numbers near 1, and independent rounding would leave little of it. So the
+// third value is rounded last, about the rounded mean. The spread then has one rounding error instead of three
 // (docs/reference/file_format.md, "Encodings of Gaussians").
 #pragma once
 
@@ -27,7 +27,8 @@ glm::vec3 point_of_normal(const glm::vec3& normal, bool is_shortened);
 /// Inverse of point_of_normal(). For a unit normal, the third value adds nothing to (x, y) except rounding.
 glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);
 
-/// Returns 1 / sigma^2 for the smallest sigma^2 that a lobe of amplitude 1 keeps within a quarter, at any mean.
+/// Returns 1 / sigma^2 for the smallest sigma^2 that a lobe of amplitude 1 stores with an error of at most a quarter,
+/// at any mean.
 float gmm_kappa_max(StorageEncoding encoding);
 
 /// Counts lobes narrower than gmm_kappa_max() allows, except for single directions.

@@ -15,28 +15,28 @@ struct LobeFamily {
   // Gaussians over points (x, y) of the disc instead of lobes on the sphere. The third channel is E[x^2 + y^2] instead
   // of E[z]. Selects the kernels.
   bool is_planar;
-  bool one_lobe_is_mean;  // the average of the normals is the best fit of one lobe, so no EM runs
+  bool one_lobe_is_mean;  // true if the average of the normals is the best fit of one lobe, so that EM is not needed
   const char* plural;
   // Names and descriptions in the file (docs/reference/file_format.md).
   const char* layer;
   const char* lobe_text;
   const char* finest_text;
-  const char* finest_rough_text;  // if a BRDF's width is included
+  const char* finest_rough_text;  // text for files that include a BRDF's width
   const char* finest_rough_channel;
   const char* finest_third_name;  // name of the third value in messages
 
   // Rounds rows of a level >= 1 to stored values.
   void (*quantize)(MovmfLevel& rows, StorageEncoding encoding, int threads);
-  // Largest kappa (1/variance) that a lobe of amplitude 1 keeps; count of the sharper lobes.
+  // Return the largest kappa (1/variance) that a lobe of amplitude 1 keeps, and the number of sharper lobes.
   float (*kappa_max)(StorageEncoding encoding);
   SharpLobes (*count_sharp)(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
-  // Converts a normal to a stored value of level 0, where every texel is a single direction. `is_shortened`: by a
-  // BRDF's width.
+  // Converts a normal to a stored value of level 0, where every texel is a single direction. `is_shortened`: the normal
+  // is shortened by a BRDF's width.
   glm::vec3 (*finest_of_normal)(const glm::vec3& normal, bool is_shortened);
   // Converts a stored value of level 0 to a normal.
   glm::vec3 (*normal_of_finest)(const glm::vec3& stored, bool is_shortened);
-  // Rounds x and y of unit normals, and derives the third value as readers do.
+  // Rounds x and y of unit normals, and derives the third value like readers.
   void (*quantize_finest)(glm::vec3* normals, std::size_t count, StorageEncoding encoding);
   // Returns the third value of a normal whose x and y are already rounded.
   float (*finest_third)(float x, float y, StorageEncoding encoding);

@@ -16,7 +16,7 @@ namespace {
 
 using Block = std::array<double, kRoundingBlock>;
 
-// Below the smallest amplitude that snorm16 stores, the spread of a lobe is invisible.
+// Smallest amplitude that snorm16 stores. Below this amplitude, the spread of a lobe is invisible.
 constexpr float kAmplitudeMin = static_cast<float>(kSnormStep);
 
 // Step 1, snorm16: whole steps that sum to 32767. The largest remainders are rounded up (ties: the lower lobe).

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Derives level 0 from x and y. z rounds up, so that |(x, y, z)| >= 1. A texel of one direction then has no spread,
-// and neither have filtered texels that share the direction, because their projections add up
+// Derives level 0 from x and y. z rounds up, so that |(x, y, z)| >= 1. A texel of one direction then has no spread.
+// Filtered texels that share the direction have no spread either, because their projections add up
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 //
-// Where z is small, it is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal
+// A small z is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal
 // by 1/cos(t) times the error. FinestTest.TurnsDirectionsByLittle has the figures.
 #include "host/formats/asset/lobes/movmf_finest.h"
 
@@ -57,7 +57,7 @@ float z_float(double root) {
   return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
 }
 
-// Returns whether x^2 + y^2 exceeds 1, exactly, in whole steps.
+// Returns whether x^2 + y^2 exceeds 1; computes exactly, in whole steps.
 bool is_beyond_rim(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   return i * i + j * j > kSnormSteps * kSnormSteps;
@@ -71,8 +71,8 @@ void quantize_plane(glm::vec3& n, StorageEncoding encoding) {
   }
 }
 
-// Rounds x, y and z of many unit vectors without branches. Wide registers turn a small negative value into -0; it is
-// set to 0, as elsewhere.
+// Rounds x, y and z of many unit vectors without branches. Wide registers turn a small negative value into -0; such
+// values are set to 0, as in other code.
 MULTUM_VECTOR_CLONES
 void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {

@@ -19,14 +19,14 @@ namespace multum {
 struct MovmfFinest {
   int width = 0;
   int height = 0;  // rows held here
-  // Spherical lobes: unit vectors with z >= 0. Planar lobes: x, y and x^2 + y^2. With `has_roughness`, vectors are
-  // shorter, and planar lobes hold x^2 + y^2 + 2 v (host/formats/asset/lobes/gmm_quantize.h).
+  // Spherical lobes store unit vectors with z >= 0. Planar lobes store x, y and x^2 + y^2. With `has_roughness`,
+  // vectors are shorter, and planar lobes hold x^2 + y^2 + 2 v (host/formats/asset/lobes/gmm_quantize.h).
   std::vector<glm::vec3> normals;
   std::vector<std::uint8_t> lobe;   // the lobe that holds the texel
-  std::vector<glm::vec3> colours;   // linear RGB of the texel; empty: the map has no colours
-  std::vector<float> weights = {};  // of basis BRDFs, as many per texel as in the map; may be empty
+  std::vector<glm::vec3> colours;   // linear RGB of the texel; empty if the map has no colours
+  std::vector<float> weights = {};  // weights of basis BRDFs, the same number per texel as in the map; may be empty
   Representation representation = Representation::kMovmf;
-  bool has_roughness = false;  // the lengths of normals encode a BRDF's width
+  bool has_roughness = false;  // true if the lengths of normals encode a BRDF's width
 
   std::size_t weight_count() const { return normals.empty() ? 0 : weights.size() / normals.size(); }
 };
@@ -36,20 +36,20 @@ struct MovmfFinest {
 float finest_z(float x, float y, StorageEncoding encoding);
 
 /// Returns x^2 + y^2 of rounded x and y, rounded DOWN to the grid. A Gaussian's variance is then clamped to 0, and
-/// filtering texels of one direction adds none.
+/// filtering texels of one direction adds no variance.
 float finest_square(float x, float y, StorageEncoding encoding);
 
 /// Rounding at level 0 for each family of lobes (host/formats/asset/lobes/lobe_family.h): normals with z, and points
 /// with x^2 + y^2.
 void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding);
 void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding);
-/// Returns whether the normal is one direction, as a whole lobe holds it. Roughness shortens vectors and scatters
+/// Returns whether the normal is a single direction that one lobe stores. Roughness shortens vectors and scatters
 /// points.
 bool is_unit_vector(const glm::vec3& normal, bool has_roughness);
 bool is_single_point(const glm::vec3& point, bool has_roughness);
 
 /// Rounds x and y to the nearest value of the grid and derives z. Rounds shortened normals like lobes of amplitude 1,
-/// and colours and weights to halfs unless the encoding is kFloat. Readers of the file get exactly the result.
+/// and colours and weights to halfs unless the encoding is kFloat. Readers of the file get exactly these values.
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
 
 /// Converts rows of level 0 from full lobes. Every texel must be one direction in one lobe, with all other lobes zero

@@ -18,7 +18,7 @@ namespace multum {
 std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
                                       const BakedWriteOptions& options);
 
-/// Reads everything but pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
+/// Reads everything except pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
 /// what was expected.
 MovmfMipmap parse_header(const Imf::Header& header, const std::string& path);
 

@@ -29,12 +29,12 @@ struct MovmfLevel {
   int height = 0;
   std::vector<std::vector<glm::vec4>> lobes;    // [lobe][y * width + x] = (a r_x, a r_y, a r_z, a)
   std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty: the map has no colours
-  // [lobe][(y * width + x) * weight_count + k] = a * weight k of a basis BRDF; empty: the map has no weights
+  // [lobe][(y * width + x) * weight_count + k] = a * weight k of a basis BRDF; empty if the map has no weights
   std::vector<std::vector<float>> weights = {};
 };
 
 /// levels[l] is level l of the map. Levels finer than header.first_level have a size but no texels; renderers use the
-/// normal map for them. header.representation says what a lobe is (host/formats/asset/lobes/lobe_family.h).
+/// normal map for them. header.representation defines the meaning of a lobe (host/formats/asset/lobes/lobe_family.h).
 struct MovmfMipmap {
   BakedHeader header;                   // full_header() sets its sizes and has_colours from the levels
   std::vector<MovmfLevel> levels = {};  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
@@ -72,19 +72,19 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress = nullptr);
 
-/// Reads a baked file of lobes. Throws Error(kInput) naming the file, what was found and what was expected. `threads`
-/// decompress; 0: one per core.
+/// Reads a baked file of lobes. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Decompresses with `threads` threads; 0 means one per core.
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 
 /// Reads only the header, which is cheap for files of any size. Levels have sizes and empty lobes.
 MovmfMipmap read_movmf_header(const std::string& path);
 
-/// Returns the largest kappa whose spread (1/kappa) a lobe of amplitude 1 keeps within about a quarter. Sharper lobes
-/// are stored sharper, up to a single direction.
+/// Returns the largest kappa whose spread (1/kappa) a lobe of amplitude 1 stores with an error of at most about a
+/// quarter. Lobes with a larger kappa become even sharper, up to a single direction.
 float storage_kappa_max(StorageEncoding encoding);
 
-/// Lobes of a level, before rounding, whose spread is not kept because they are sharper than storage_kappa_max().
-/// Single directions do not count, because every encoding keeps them. None for kFloat.
+/// Lobes of a level, before rounding, whose spread is lost because they are sharper than storage_kappa_max(). Single
+/// directions do not count, because every encoding keeps them. There are none for kFloat.
 struct SharpLobes {
   std::uint64_t count = 0;
   double amplitude = 0.0;  // their sum, in texels

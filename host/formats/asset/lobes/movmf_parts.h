@@ -16,9 +16,9 @@ enum class MovmfPartKind { kFinest, kLobe, kColour, kWeights };
 
 struct MovmfPart : BakedPart {
   MovmfPartKind kind;
-  int lobe;  // for the other kinds of parts
+  int lobe;  // index of the lobe, for the other kinds of parts
 
-  /// Returns the first value of a level's rows; not for kFinest.
+  /// Returns the first value of a level's rows; not valid for kFinest.
   const float* values(const MovmfLevel& rows) const;
   float* values(MovmfLevel& rows) const;
 };

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds lobes to stored values. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for glossy
-// and flat places. Rounding a r_x, a r_y, a r_z and a independently moves |r| by up to 1/a steps of the grid. That
-// blurs a roughness-0.1 highlight on a tilted flat to half its peak. So the four are rounded together:
+// and flat places. Rounding a r_x, a r_y, a r_z and a independently moves |r| by up to 1/a steps of the grid. This
+// blurs a highlight of roughness 0.1 on a tilted flat area to half its peak. So the four values are rounded together:
 //   1. Amplitudes are rounded first, and (snorm16) sum to exactly 1, by largest remainder.
 //   2. r is multiplied by the ROUNDED amplitude, so that rounding a leaves |r| unchanged.
 //   3. Each of the three products is rounded down or up, which gives 8 candidates. The chosen one has the projection on
 //      the lobe's direction that is closest to a |r|. For a single direction (|r| = 1), the projection must be at least
 //      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
 //      direction add up.
-// Using the length |a r| instead would let a lobe of one step turn by 60 degrees at full length. Filtered with a
-// neighbouring lobe of 0.7, that lost 4 % of the peak (QuantizeTest). Readers clamp |r| to 1.
+// Using the length |a r| instead would let a lobe of one step turn by 60 degrees at full length. After filtering with a
+// neighbouring lobe of amplitude 0.7, the peak was 4 % lower (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 
 #include <algorithm>
@@ -29,10 +29,11 @@
 namespace multum {
 namespace {
 
-// In fp32 sums, a smaller spread is indistinguishable from a single direction: 8 roundings of 2^-24.
+// In fp32 sums, a spread below this value (8 roundings of 2^-24) is indistinguishable from a single direction.
 constexpr double kSpreadZero = 5e-7;
 
-// The two grid neighbours of a value: `inner` is not larger in magnitude, `outer` not smaller.
+// The two grid neighbours of a value: the magnitude of `inner` is not larger than the value's, the magnitude of `outer`
+// not smaller.
 struct Bracket {
   float inner;
   float outer;
@@ -62,7 +63,7 @@ Bracket bracket_half(double value) {
   return {static_cast<float>(other), static_cast<float>(nearest)};
 }
 
-// The 8 ways to round: bit 0 of a corner says whether x is rounded outwards, bit 1 y, bit 2 z.
+// The 8 ways to round. Bit 0 of a corner states whether x is rounded outwards, bit 1 whether y is, bit 2 whether z is.
 struct Corners {
   Bracket x, y, z;
   glm::vec3 at(unsigned corner) const {
@@ -84,7 +85,8 @@ std::array<double, 8> projections(const Corners& corners, const glm::dvec3& dire
           xy[0] + z[1], xy[1] + z[1], xy[2] + z[1], xy[3] + z[1]};
 }
 
-// Returns the corner with the closest projection, the first of equals. The direction turns by at most one step.
+// Returns the corner with the closest projection; if several are equally close, the first of them. The direction turns
+// by at most one step.
 unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) {
   unsigned best = 7;
   double best_cost = HUGE_VAL;
@@ -96,8 +98,8 @@ unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) 
   return best;
 }
 
-// For single directions: returns the corner that turns least among those that are not shorter. With x, y and z all
-// rounded outwards, no corner is shorter.
+// For single directions, returns the corner that turns least among the corners that are not shorter. The corner with x,
+// y and z all rounded outwards is never shorter.
 unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>& projection, double wanted,
                              const glm::dvec3& target) {
   unsigned best = 7;
@@ -132,7 +134,7 @@ glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_
                    a);
 }
 
-// Values of neighbouring texels, arranged so that the compiler vectorizes the loops; no operation differs from
+// Values of neighbouring texels, arranged so that the compiler vectorizes the loops. All operations equal those of
 // round_lobe(). At level 1 of a map with four lobes, most lobes are single directions or empty. Each kind is gathered
 // and rounded separately.
 using Block = std::array<double, kRoundingBlock>;
@@ -162,7 +164,7 @@ inline void bracket_steps(double value, double& inner, double& outer) {
   outer = static_cast<double>(static_cast<float>(up * kSnormStep));
 }
 
-// Applies steps 2 and 3: r becomes the stored value. Inlined into each of the clones below.
+// Applies steps 2 and 3: r becomes the stored value. Inlined into each vector clone below.
 template <bool kSingleDirection>
 [[gnu::always_inline]] inline void round_gathered(Gathered& lobes) {
   const std::size_t count = lobes.count;
@@ -221,7 +223,7 @@ void divide(Gathered& lobes, const Block& divisor) {
   }
 }
 
-// Wide registers turn a small negative value into -0, other code into 0; both are stored as 0.
+// Wide registers turn a small negative value into -0, other code turns it into 0; both are stored as 0.
 void scatter(const Gathered& rounded, glm::vec4* lobes) {
   for (std::size_t i = 0; i < rounded.count; ++i)
     lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]) + 0.0f, static_cast<float>(rounded.y[i]) + 0.0f,
@@ -250,7 +252,7 @@ void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t c
     glm::vec4& lobe = lobes[all.index[i]];
     if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
     else if (all.length[i] < 2.0) single.add(all, i);
-    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // not finite, or no mean
+    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // not finite, or without mean
   }
   round_single(single);
   round_spread(spread);

@@ -85,7 +85,7 @@ class MovmfReader::File {
   }
 
   void decode_texel(int x, int first_row, int y, MovmfFinest& rows) const {
-    // Rounding exceeds 1 by at most one step.
+    // Rounded values exceed 1 by at most one step.
     constexpr float kComponentMax = 1.001f;
     const std::size_t i = texel_count(rows.width, y) + static_cast<std::size_t>(x);
     const float* v = values_.data() + i * parts_[0].channels.size();
@@ -116,7 +116,7 @@ class MovmfReader::File {
   MovmfMipmap header_;
   const LobeFamily* family_ = nullptr;
   std::vector<MovmfPart> parts_;
-  std::vector<float> values_;  // of level 0, in the file's order
+  std::vector<float> values_;  // values of level 0, in the file's order
 };
 
 MovmfReader::MovmfReader(const std::string& path, int threads, TexelCheck check)

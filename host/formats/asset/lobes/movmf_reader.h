@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file; read_movmf_mipmap() reads all of them, read_movmf_header() none.
+// Reads rows of a baked file; read_movmf_mipmap() reads all rows, read_movmf_header() reads none.
 #pragma once
 
 #include <memory>
@@ -14,18 +14,18 @@ namespace multum {
 class MovmfReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
-  /// expected. `threads` decompress; 0: one per core.
+  /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit MovmfReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MovmfReader();
   MovmfReader(const MovmfReader&) = delete;
   MovmfReader& operator=(const MovmfReader&) = delete;
 
-  /// Everything except texels: levels have sizes and empty lobes.
+  /// Returns all contents except texels: levels have sizes and empty lobes.
   const MovmfMipmap& header() const;
-  /// Height of one row of tiles. Reads that begin at a multiple of it and take a multiple of it decompress no row
-  /// twice.
+  /// Height of one row of tiles. Reads that begin at a multiple of this height and cover a multiple of it decompress no
+  /// row twice.
   int tile_size() const;
-  /// Rows found by TexelCheck::kReport, as "part lobe.1, level 3, texel rows 0 to 127".
+  /// Rows found by TexelCheck::kReport, such as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const;
   /// Reads rows of a stored level. Level 0 is expanded to full lobes.
   MovmfLevel read_level(int level, int first_row, int row_count);

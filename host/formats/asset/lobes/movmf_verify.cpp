@@ -31,7 +31,8 @@ struct MovmfScan::Lobes {
 
 namespace {
 
-// Tolerance of sums of a and lengths of r: the effect of an encoding's rounding (docs/reference/file_format.md).
+// Returns the tolerance for sums of a and lengths of r, which covers the rounding of the encoding
+// (docs/reference/file_format.md).
 float amplitude_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3f : 2e-6f; }
 // |a r| may exceed a by one outward step per component.
 struct LengthExcess {
@@ -45,14 +46,14 @@ LengthExcess length_excess(StorageEncoding encoding) {
   return {1e-6f, 1e-9f};
 }
 
-// Worst values so far. The two floats are exact, because the values they come from are floats.
+// Worst values so far. The two floats are exact, because they are computed from floats.
 struct WorstLobe {
   double sum_error;
   float negative_amplitude, long_mean;
   LengthExcess excess;
 };
 
-// Texels checked together. Hardly any block holds a new worst value; blocks without one need no further look.
+// Number of texels checked together. Few blocks contain a new worst value; the other blocks need no further check.
 constexpr std::size_t kScanBlock = 256;
 
 // Returns 1 if a lobe is worse than the worst so far, or not finite.
@@ -92,8 +93,8 @@ int any_worse_sum(const double* sums, std::size_t count, double worst) {
   return found;
 }
 
-// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers rounding: weights to halfs, and
-// amplitudes to snorm16, which may differ by a step from the fit.
+// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers the rounding of weights to halfs
+// and of amplitudes to snorm16, which may differ from the fit by a step.
 constexpr double kWeightTolerance = 2e-3;
 
 // Returns how far the third value of a Gaussian is below the square of its mean, beyond the tolerance for rounding
@@ -155,7 +156,7 @@ bool MovmfScan::Lobes::any_is_worse(const MovmfLevel& rows, std::size_t begin, s
   return (found | any_worse_sum(sums.data(), end - begin, worst.sum_error)) != 0;
 }
 
-// Finest texels need no check of sums: each sum is 1.
+// Sums of finest texels need no check, because each sum is 1.
 bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding encoding) const {
   const WorstLobe worst{sum_error.value, static_cast<float>(negative_amplitude.value),
                         static_cast<float>(long_mean.value), length_excess(encoding)};

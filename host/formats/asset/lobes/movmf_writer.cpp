@@ -13,7 +13,7 @@
 
 namespace multum {
 
-// The header and parts by which rows are checked and split.
+// The header and the parts, used to check and split rows.
 struct MovmfWriter::Shape {
   explicit Shape(const MovmfMipmap& header)
       : lobe_count(static_cast<std::size_t>(header.lobe_count())),
@@ -31,7 +31,7 @@ struct MovmfWriter::Shape {
   const std::size_t weight_count;
   const bool has_roughness;
   const std::vector<MovmfPart> parts;
-  const std::unique_ptr<MovmfScan> scan;  // only for the writer's thread, until it ends
+  const std::unique_ptr<MovmfScan> scan;  // used only by the writer's thread until this thread ends
 };
 
 namespace {
@@ -135,7 +135,7 @@ void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, cons
   for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     const MovmfLevel& level = mipmap.levels[l];
     for (int row = 0; row < level.height; row += options.tile_size) {
-      progress_advance(progress, 0);  // gives the caller a chance to cancel
+      progress_advance(progress, 0);  // lets the caller cancel
       const int rows = std::min(options.tile_size, level.height - row);
       if (l == 0)
         writer.write_finest(row,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a baked file of lobes from rows while the bake goes on. A separate thread collects rows into rows of tiles,
+// Writes a baked file of lobes from rows while the bake continues. A separate thread collects rows into rows of tiles,
 // hashes them, and has OpenEXR compress them. Only unfinished rows of tiles stay in memory.
 #pragma once
 

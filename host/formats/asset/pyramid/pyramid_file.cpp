@@ -141,7 +141,7 @@ class PyramidScan {
 
 class PyramidPortion : public BakedRows {
  public:
-  /// Only the writer's thread uses `scan` until that thread ends.
+  /// Until the writer's thread ends, only this thread uses `scan`.
   PyramidPortion(int channels, PyramidScan& scan, int level, PyramidLevel rows)
       : channels_(static_cast<std::size_t>(channels)), scan_(scan), level_(level), rows_(std::move(rows)) {}
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramids of plain averages (Williams 1983), in files for any reader of mip-mapped textures: one part, tiled, all
-// levels, linear (docs/reference/file_format.md, "Pyramids").
+// Stores pyramids of plain averages (Williams 1983) in files for any reader of mip-mapped textures: one part, tiled,
+// with all levels and linear values (docs/reference/file_format.md, "Pyramids").
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Meaning of the averaged numbers.
+/// Meaning of the averaged values.
 enum class PyramidKind {
   kColour,       // linear RGB, or three numbers with another meaning
   kReflectance,  // radiance towards the eye, RGB, over the normals of a surface (reflectance_mapping.h)
@@ -43,7 +43,8 @@ struct Pyramid {
   std::vector<PyramidLevel> levels;
 };
 
-/// Rounds to what the encoding stores. Values beyond the largest half become 65504; returns their number.
+/// Rounds to values that the encoding stores. Values beyond the largest half become 65504; returns the number of such
+/// values.
 std::uint64_t quantize_pyramid(std::vector<float>& values, StorageEncoding encoding);
 
 class PyramidWriter {
@@ -70,7 +71,8 @@ class PyramidWriter {
 /// Returns whether the header says that the file is a pyramid. Throws Error(kInput) if the file is not an EXR file.
 bool is_pyramid_file(const std::string& path);
 
-/// Throws Error(kInput) naming the file, what was found and what was expected. Refuses texels that are not finite.
+/// Reads a pyramid of any kind. Throws Error(kInput) naming the file, what was found and what was expected. Rejects
+/// texels that are not finite.
 Pyramid read_pyramid(const std::string& path);
 /// Reads a pyramid that must be of one kind.
 Pyramid read_pyramid(const std::string& path, PyramidKind expected);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pyramidal parametric sampling (Williams 1983, sections 2 and 3): bilinear within a level, linear between two levels,
-// at any real level d; and the choice of d. In double precision. The reference for the GL's filter, and the sampler
-// for meshes at a chosen level of detail.
+// at any real level d. Also chooses d. Computes in double precision. Serves as the reference for the GL's filter, and
+// as the sampler for meshes at a chosen level of detail.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace multum {
 
-using PyramidSample = std::array<double, 3>;  // one channel: only the first is used
+using PyramidSample = std::array<double, 3>;  // if there is one channel, only the first value is used
 
 /// Samples at s, t: 0..1 across the map, t downwards; the header's wrap modes apply beyond. `d` is clamped to the
 /// existing levels.
@@ -26,8 +26,8 @@ struct TexelDerivatives {
 };
 
 /// Returns the level by Heckbert's rule (Williams 1983, section 3): d = log2 max(|(u_x, v_x)|, |(u_y, v_y)|). The
-/// longer side of the pixel's parallelogram decides, which blurs rather than aliases. Minus infinity if nothing
-/// changes.
+/// longer side of the pixel's parallelogram determines the level, so that textures blur instead of aliasing. Minus
+/// infinity if nothing changes.
 double mip_level_of(const TexelDerivatives& derivatives);
 
 }  // namespace multum

@@ -39,9 +39,9 @@ glm::vec3 unit_normal(const glm::vec3& right, const glm::vec3& up) {
   return size > 0.0f ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f);
 }
 
-// Points of a grid, with one more beyond every side. On a closed side, this is the point from the other end. On an
-// open side, it mirrors the border's neighbour about the border, so that (p[-1] + 4 p[0] + p[1]) / 6 = p[0]: the
-// spline ends in the border.
+// Points of a grid, with one extra point beyond every side. On a closed side, the extra point is the point from the
+// other end. On an open side, it mirrors the border's neighbour about the border, so that (p[-1] + 4 p[0] + p[1]) / 6 =
+// p[0]: the spline ends in the border.
 class ControlGrid {
  public:
   ControlGrid(const PyramidSurface& surface, bool closed_s, bool closed_t)
@@ -153,7 +153,7 @@ PyramidSurface patches_at_level(const Pyramid& pyramid, double d, int steps) {
 double level_of_projection(const Pyramid& pyramid, const SurfaceView& view, double spacing) {
   MULTUM_CHECK(spacing > 0.0 && view.focal_length > 0.0);
   const BakedHeader& map = pyramid.header.map;
-  constexpr double kCoarseSide = 64.0;  // points per side, enough to estimate distances across a surface
+  constexpr double kCoarseSide = 64.0;  // points per side, which suffice to estimate distances across a surface
   const PyramidSurface coarse =
       surface_at_level(pyramid, std::max(0.0, std::log2(std::max(map.width, map.height) / kCoarseSide)));
   const auto at = [&](int i, int j) { return glm::dvec3(coarse.positions[grid_index(coarse, i, j)]); };

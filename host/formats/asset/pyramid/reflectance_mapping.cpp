@@ -35,7 +35,7 @@ ReflectanceFrame reflectance_frame(const glm::dvec3& viewer, const glm::dvec3& u
 
 glm::dvec2 reflectance_place(const ReflectanceFrame& frame, const glm::dvec3& normal) {
   const double x = glm::dot(normal, frame.right), y = glm::dot(normal, frame.up), z = glm::dot(normal, frame.viewer);
-  // Computes sqrt(2 / (1 + z)). On the back side, where 1 + z cancels, uses 1 + z = (x^2 + y^2) / (1 - z).
+  // Computes sqrt(2 / (1 + z)). On the back side, where 1 + z loses digits, uses 1 + z = (x^2 + y^2) / (1 - z).
   const double flat = std::hypot(x, y);
   const double one_plus_z = z > 0.0 ? 1.0 + z : flat * flat / (1.0 - z);
   if (one_plus_z <= 0.0) return {0.0, 0.0};

@@ -24,7 +24,7 @@ int layers_per_lobe(LobeTexels texels);
 /// Bytes of one layer of one level.
 std::uint64_t layer_bytes(LobeTexels texels, int width, int height);
 
-/// (a r, a) = offset + the sum of columns, each times its channel. A lobe's first layer holds the first channels, a
+/// (a r, a) = offset + the sum of all columns, each times its channel. A lobe's first layer holds the first channels, a
 /// second layer the others.
 struct LobeUnpacking {
   std::array<glm::vec4, kLobeChannels> columns{};
@@ -39,7 +39,7 @@ struct LobeUnpacking {
 
 /// Everything except the texels.
 struct LobeTextureHeader {
-  BakedHeader map;  // first_level: the texture's level 0; the encoding has no meaning
+  BakedHeader map;  // first_level is the texture's level 0; the encoding has no meaning
   LobeTexels texels = LobeTexels::kRgba16f;
   std::vector<LobeUnpacking> lobes;
 
@@ -49,7 +49,7 @@ struct LobeTextureHeader {
 
 struct LobeTexture {
   LobeTextureHeader header;
-  std::vector<std::vector<std::uint8_t>> levels;  // texture's level 0 first; layers one after another
+  std::vector<std::vector<std::uint8_t>> levels;  // the texture's level 0 comes first; layers follow one another
 };
 
 /// Returns the key's value as JSON.
@@ -58,7 +58,8 @@ std::string lobe_texture_text(const LobeTextureHeader& header);
 /// Returns whether the file is a KTX2 file; false if it cannot be read.
 bool is_ktx2_file(const std::string& path);
 
-/// Read only the header, or everything. Both throw Error(kInput) naming the file, what was found and what was expected.
+/// Read only the header, or the whole file. Both throw Error(kInput) naming the file, what was found and what was
+/// expected.
 LobeTextureHeader read_lobe_texture_header(const std::string& path);
 LobeTexture read_lobe_texture(const std::string& path);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs OpenImageIO in a child process (host/foundation/sandbox/decoding_child.h).
 //
-// Limits of a child. In the worst case, a reader holds the whole picture, some readers twice and with 4 channels
-// (WebP), and rows of it for every thread. So the limits are
+// Limits of a child. In the worst case, a reader holds the whole picture (some readers hold it twice and with 4
+// channels, such as WebP), and some rows for every thread. So the limits are
 //   memory   memory_base + 2 file sizes + 16 bytes per declared texel; once the file is open, + 4 times the picture
 //   time     time_base + 1 s per 4 MiB of the picture, for one answer
 #include <chrono>
@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 std::chrono::seconds time_for(std::uint64_t picture_bytes) {
-  constexpr std::uint64_t kBytesASecond = std::uint64_t{4} << 20;  // even a slow machine decodes this much
+  constexpr std::uint64_t kBytesASecond = std::uint64_t{4} << 20;  // decoding speed that even a slow machine reaches
   return std::chrono::seconds(picture_bytes / kBytesASecond);
 }
 
@@ -30,7 +30,7 @@ std::uint64_t picture_bytes(const ImageDescription& description) {
 
 class ChildImageFile : public ImageFile {
  public:
-  // Inspects the container before a library sees the file, which tells how much there is to decode.
+  // Inspects the container before a library opens the file, and gets the amount of data to decode.
   ChildImageFile(const DecodingChild& child, std::string path, const ImageFileSettings& settings)
       : path_(std::move(path)),
         container_(inspect_image_container(path_, settings.texel_count_max)),

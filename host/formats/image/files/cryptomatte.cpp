@@ -7,9 +7,9 @@
 // and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
 // Departure: some renderers, and programs that repack files, write R, red or Red for r. They omit the view layer from
-// the metadata's name or from the channels' names, or add it, lose the metadata, or truncate manifests. So the
-// channels decide which layer it is, metadata are matched to them by name or by KEY, and names missing in a manifest
-// are matched by their hash. A manifest in a separate file (manif_file) is not read; hashing the names gives the same
+// the metadata's name or from the channels' names, or add it, lose the metadata, or truncate manifests. So the channels
+// identify the layer, metadata are matched to the channels by name or by KEY, and names missing in a manifest are
+// matched by their hash. A manifest in a separate file (manif_file) is not read; hashing the names gives the same
 // identifiers.
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ namespace multum {
 namespace {
 
 struct Cryptomatte {
-  std::string prefix;  // of its channels: "CryptoObject" of "CryptoObject00.r"
+  std::string prefix;  // prefix of its channels: "CryptoObject" of "CryptoObject00.r"
   std::string hash, conversion;
   std::map<std::string, std::uint32_t> manifest;
   std::vector<std::string> warnings;
@@ -62,7 +62,7 @@ std::uint32_t as_identifier(std::uint32_t hash) {
   return exponent == 0 || exponent == 255 ? hash ^ 1u << 23 : hash;
 }
 
-// Reads as much of a manifest as possible. Returns what is wrong with it, or an empty string.
+// Reads as much of a manifest as possible. Returns a description of the fault, or an empty string.
 std::string parse_manifest(const std::string& text, std::map<std::string, std::uint32_t>& manifest) {
   if (holds_nul(text)) return "it holds NUL";
   std::string name, wrong;
@@ -81,7 +81,7 @@ std::string parse_manifest(const std::string& text, std::map<std::string, std::u
   return json.is_object() ? wrong : "it is not a JSON object";
 }
 
-// The text after "cryptomatte/KEY/", by KEY.
+// For each KEY, the attributes by the text after "cryptomatte/KEY/".
 using Metadata = std::map<std::string, std::map<std::string, std::string>>;
 
 Metadata cryptomatte_metadata(const ExrFile& file) {
@@ -120,7 +120,8 @@ std::vector<std::string> channel_prefixes(const std::vector<std::string>& channe
 
 std::string last_of(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-// Compares names: 0 equal, 1 one is a suffix of the other, 2 only the last parts are equal, 3 different.
+// Compares names. Returns 0 if they are equal, 1 if one is a suffix of the other, 2 if only the last parts are equal,
+// and 3 if they differ.
 int distance_of(const std::string& a, const std::string& b) {
   if (a == b) return 0;
   if (a.ends_with("." + b) || b.ends_with("." + a)) return 1;
@@ -143,7 +144,7 @@ std::string metadata_text(const std::map<std::string, std::string>& values, cons
   return found == values.end() ? std::string() : found->second;
 }
 
-// Finds a layer's metadata by the name in them.
+// Finds a layer's metadata by the name in the metadata.
 const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, const Metadata& metadata,
                                                            const std::string& prefix, const std::string& layer) {
   std::vector<std::string> names;

@@ -2,7 +2,7 @@
 // Reads Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts). It consists of "#?" and lines of text up to
 // an empty one, then "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits with one exponent, (R, G, B)
 // 2^(E - 136). A row of 8 to 32767 texels may be packed: 2 2 (width as two bytes), then four planes of runs, each (128
-// + n, value) or n values, n <= 128. Other orders of rows and columns, and XYZE, are refused.
+// + n, value) or n values, n <= 128. Other orders of rows and columns, and XYZE, are rejected.
 #include "host/formats/image/files/environment_file.h"
 
 #include <algorithm>

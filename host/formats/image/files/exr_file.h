@@ -13,7 +13,7 @@ namespace multum {
 
 class ExrFile {
  public:
-  /// Throws Error(kInput) naming the file if it is missing, damaged, not an EXR file, or deep. Also refuses a part
+  /// Throws Error(kInput) naming the file if it is missing, damaged, not an EXR file, or deep. Also rejects a part
   /// whose data window is not the display window, because pixels would be in the wrong places.
   explicit ExrFile(std::string path);
 
@@ -22,10 +22,10 @@ class ExrFile {
   const std::string& path() const { return path_; }
   const std::vector<std::string>& channels() const { return channels_; }
   bool has_channel(const std::string& name) const { return places_.count(name) > 0; }
-  /// Returns the names of all channels. If the file has several parts, adds the names with the part's name in front:
+  /// Returns the names of all channels. If the file has several parts, adds the names with the part's name as a prefix:
   /// "CryptoObject00.R" for channel "R" of part "CryptoObject00". has_channel() and read() know these names too.
   std::vector<std::string> all_names() const;
-  /// String attributes of all parts; if several parts have the same one, the value in the first part.
+  /// String attributes of all parts; if several parts have the same attribute, its value in the first part.
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 
   /// Returns width * height floats, row 0 at the top. Throws Error(kInput) for a missing channel (naming the existing

@@ -31,11 +31,11 @@ std::vector<std::vector<float>> read_cryptomatte_coverage(const std::string& pat
 
 struct CryptomatteNames {
   std::vector<std::string> manifest;  // in alphabetical order
-  std::vector<std::string> unseen;    // wanted names missing in the manifest, whose hash is in no pixel
-  std::vector<std::string> warnings;  // names matched by hash, and why; without the file's name
+  std::vector<std::string> unseen;    // wanted names that are missing in the manifest and whose hash is in no pixel
+  std::vector<std::string> warnings;  // names matched by hash, with the reason; without the file's name
 };
 
-/// Looks for names in a file's Cryptomatte. Matches and throws as read_cryptomatte_coverage() does.
+/// Searches names in a file's Cryptomatte. Matches and throws like read_cryptomatte_coverage().
 CryptomatteNames find_cryptomatte_names(const std::string& path, const std::string& layer,
                                         const std::vector<std::string>& wanted);
 

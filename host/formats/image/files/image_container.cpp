@@ -37,8 +37,8 @@ void add_orientation(ImageContainer& container, int orientation) {
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 
-// Describes the damage to a PNG signature most of whose bytes are intact; empty for anything else. The signature
-// contains line ends, which reveal transfers in text mode.
+// Describes the damage to a PNG signature if most of its bytes are intact; otherwise returns an empty string. The
+// signature contains line ends, which reveal transfers in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
     return "its line ends were changed from \\n to \\r\\n, as by a transfer in text mode";
@@ -178,8 +178,8 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
   }
 }
 
-// RIFF [size 4] WEBP, then a chunk with the size: VP8X (of the canvas, 24 bits, minus 1), VP8L (14 bits, minus 1) or
-// VP8 (14 bits).
+// RIFF [size 4] WEBP, then a chunk with the size: VP8X (canvas size minus 1, 24 bits), VP8L (size minus 1, 14 bits) or
+// VP8 (size, 14 bits).
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
@@ -202,8 +202,8 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
-// Refuses baked files, by the attributes of their first part (docs/reference/file_format.md): their channels do not
-// hold a map.
+// Rejects baked files, recognised by the attributes of their first part (docs/reference/file_format.md): their channels
+// do not hold a map.
 void refuse_baked_file(const std::string& path, ByteFile& file) {
   std::string representation, source;
   walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {
@@ -237,7 +237,8 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   keep(container, 0, file.size());
 }
 
-// Returns whether all words of a colour map are v * unit, and some are not 0. Some programs write v * 256 for v * 257.
+// Returns whether all words of a colour map are `v * unit`, and some are not 0. Some programs write `v * 256` for `v *
+// 257`.
 bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {
@@ -254,10 +255,10 @@ constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
 
 std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
 
-// Refuses files that OpenImageIO 2.4.7 misreads without an error; each has a case in tests/cli/odd_inputs/odd_cases.py.
-// Colours of inks and of Lab mean neither vectors nor light. OpenImageIO mixes up the bytes of 24-bit samples, and
-// takes signed integers of few bits for unsigned ones. It assumes 8 bits if the file states none, although the standard
-// means 1.
+// Rejects files that OpenImageIO 2.4.7 misreads without an error; each kind has a case in
+// tests/cli/odd_inputs/odd_cases.py. Ink colours and Lab colours are neither vectors nor light. OpenImageIO mixes up
+// the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. It assumes 8 bits if the
+// file states none, although the standard means 1.
 void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
@@ -303,9 +304,10 @@ void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& co
   container.patches.push_back({tiff.rows_per_strip_at.begin, bytes});
 }
 
-// Workaround "TIFF white": OpenImageIO 2.4.7 inverts pictures with 0 for white up to 8 bits, but not with more bits
-// (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF palette": it divides words
-// of a colour map by 257, which makes words v * 256 one code too low (ImageReaderTest.PalettesOfTiff).
+// Workaround "TIFF white": OpenImageIO 2.4.7 inverts pictures that use 0 for white if they have up to 8 bits, but not
+// if they have more bits (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF
+// palette": it divides words of a colour map by 257, which makes words of `v * 256` one code too low
+// (ImageReaderTest.PalettesOfTiff).
 void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, file.size());
   const TiffSurvey tiff = survey_tiff(file, 0);
@@ -350,7 +352,7 @@ std::string format_of(std::string_view head) {
   return "";
 }
 
-// Recognizes files that are not images, but that users of multum may pass by mistake.
+// Recognizes files that are not images, but that users can pass by mistake.
 std::string other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";

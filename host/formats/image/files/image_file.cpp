@@ -18,7 +18,7 @@ constexpr std::size_t kPartCountMax = 256;
 
 void check_part(const std::string& path, const ImagePart& part, std::int64_t texel_count_max) {
   check_image_size(path, part.width, part.height, texel_count_max);
-  constexpr int kFarthest = 1 << 30;  // keeps sums of a place and a size within int
+  constexpr int kFarthest = 1 << 30;  // keeps sums of a position and a size within int
   for (const int place : {part.x, part.y, part.full_x, part.full_y})
     if (place < -kFarthest || place > kFarthest)
       refuse_file(path,

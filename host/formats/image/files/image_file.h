@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the numbers of an image file; nothing else in the project sees OpenImageIO's readers. They run in a child
-// process (child_image_file.cpp), because some broken files crash the process that opens them, and loading their
+// Reads the numbers of an image file; no other code in the project sees OpenImageIO's readers. The readers run in a
+// child process (child_image_file.cpp), because some broken files crash the process that opens them, and loading their
 // libraries takes a quarter of a second.
 #pragma once
 
@@ -18,16 +18,16 @@
 
 namespace multum {
 
-/// Description of one of a file's pictures, by the file itself. Rely only on fields that check_described() checks.
+/// A file's own description of one of its pictures. Rely only on fields that check_described() checks.
 struct ImagePart {
   int x = 0, y = 0, width = 0, height = 0, depth = 1;  // of the data window
   int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
   int tile_width = 0, tile_height = 0;  // 0: scan lines
   int alpha_channel = -1;
   bool is_deep = false;
-  int base_type = 0;                         // host/formats/image/files/number_type.h, of the widest channel
+  int base_type = 0;                         // type of the widest channel (host/formats/image/files/number_type.h)
   std::vector<std::string> channel_names;    // one a channel
-  std::vector<int> channel_types = {};       // base types if they differ; empty: all are base_type
+  std::vector<int> channel_types = {};       // types of the channels if they differ; empty if all are base_type
   std::string colour_space, compression;     // as in the file; may be empty
   int rows_per_strip = 0;                    // of TIFF
   std::map<std::string, std::string> texts;  // string attributes; only if opened with all_parts
@@ -59,8 +59,8 @@ std::size_t block_bytes(const ImagePart& part, const PixelBlock& block);
 
 struct ImageFileSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  int threads = 1;         // <= 0: one per core
-  bool all_parts = false;  // true: all parts and their texts; false: the first part
+  int threads = 1;         // <= 0 for one per core
+  bool all_parts = false;  // true for all parts and their texts; false for the first part
 };
 
 class ImageFile {

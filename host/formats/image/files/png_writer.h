@@ -9,7 +9,8 @@
 
 namespace multum {
 
-/// Writes a file that appears whole or not at all. Everything throws Error(kEnvironment) if the file cannot be written.
+/// Writes a file that appears whole or not at all. All functions throw Error(kEnvironment) if the file cannot be
+/// written.
 class Png16Writer {
  public:
   Png16Writer(const std::string& path, int width, int height, const std::string& colour_space);

@@ -24,7 +24,7 @@ constexpr std::int64_t kEntryCountMax = 4096;
 struct Value {
   int type;
   std::int64_t count;
-  std::int64_t position;  // of its first number in the file
+  std::int64_t position;  // position of its first value in the file
 };
 
 class Directories {
@@ -57,7 +57,7 @@ class Directories {
     }
     return base_ + number(entry, word);
   }
-  // Returns a short or a long.
+  // Returns a value of type short or long.
   int integer(const Value& value) {
     if (value.type != 3 && value.type != 4) return -1;
     return static_cast<int>(number(value.position, value.type == 3 ? 2 : 4));
@@ -76,7 +76,7 @@ class Directories {
     const double number = std::strtod(text.c_str(), &end);
     return end != text.c_str() && std::isfinite(number) ? std::optional(number) : std::nullopt;
   }
-  // Returns whether the directory of GeoTIFF's keys says that x and y are in metres.
+  // Returns whether GeoTIFF's key directory says that x and y are in metres.
   bool is_in_metres(const Value& keys) {
     if (keys.type != 3) return false;
     constexpr int kModelType = 1024, kProjected = 1, kLinearUnit = 3076, kMetre = 9001;

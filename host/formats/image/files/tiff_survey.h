@@ -13,10 +13,10 @@
 
 namespace multum {
 
-/// Findings from the first directory; page_count covers all. Missing or damaged values keep their defaults: the
-/// library that reads the picture refuses the file if it needs them.
+/// Findings from the first directory; page_count covers all. Missing or damaged values keep their defaults. The library
+/// that reads the picture rejects the file if it needs these values.
 struct TiffSurvey {
-  bool is_whole = false;  // the first directory could be read completely
+  bool is_whole = false;  // true if the first directory could be read completely
   int orientation = 1;    // 1: as stored; 2 to 8: mirror or rotate
   int photometric = -1;
   int bits = 0;         // 0: not said
@@ -24,13 +24,13 @@ struct TiffSurvey {
   int compression = 1;  // 1: none
   int height = 0;
   int sample_format = 1;    // 1 unsigned, 2 signed, 3 floats
-  bool is_reduced = false;  // a smaller version of another page
+  bool is_reduced = false;  // true for a smaller version of another page
   int page_count = 1;       // directories in the chain
   bool is_tiled = false, is_planar = false;
   std::int64_t rows_per_strip = 0;       // 0: not said
   ByteRange rows_per_strip_at = {0, 0};  // its bytes
   ByteRange colour_map = {0, 0};
-  double texel_metres = 0.0;                     // along x; 0: unknown or not in metres
+  double texel_metres = 0.0;                     // texel size along x; 0 if unknown or not in metres
   std::optional<double> no_data = std::nullopt;  // GDAL_NODATA: value of texels without data
 };
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rules, in order. Each threshold separates real maps on either side, and the comment next to it has their numbers.
-// The test SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
+// Rules, in order. Each threshold lies between groups of real maps, whose values are in the comment next to the
+// threshold. The test SharedData.EveryFileOfTheManifestIsUnderstood prints the values of every file.
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
 //     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo looks like a height, so a warning says so.
-//     An image with one value says nothing and one with two values is a mask; both are refused. Heights whose bytes are
-//     spread over channels count too (packed_heights.h).
+//     An image with one value has no information, and an image with two values is a mask; both are rejected. Heights
+//     whose bytes are spread over channels are also recognised (packed_heights.h).
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt if x^2 + y^2 <= 1 allows it.
-//     A blue that equals the rounded z of nearly flat normals is kept: both readings are then the same up to rounding.
-//  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
-//  4. z in 0..1: blue itself, if only that gives unit length (`is_z_positive`).
-//  5. Refused unless it looks like normals (`refusal` below), and if blue is not z (`blue_doubt`).
-//  6. Green by the gradient agreement; up if that is undecided. The caller's settings take precedence; a warning names
-//     the disagreement.
+//     A blue that equals the rounded z of nearly flat normals is kept: both readings are then equal up to rounding.
+//  3. Floats are 0..1 or signed, depending on which reading gives unit vectors. Integers are 0..1.
+//  4. z is blue itself, in 0..1, if only this reading gives unit length (`is_z_positive`).
+//  5. The file is rejected unless it looks like normals (`refusal` below), or if blue is not z (`blue_doubt`).
+//  6. Green follows from the gradient agreement, and is up if the agreement is undecided.
+// The caller's settings take precedence; a warning names the disagreement.
 #include "host/formats/image/normals/encoding_detection.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ struct Reading {
   double signed_z_error = 0.0;  // for a positive z: the length error of z = 2 * blue - 1
 };
 
-// Sources of statistics: the survey, or the image again for encodings that the survey did not cover.
+// Returns statistics from the survey, or reads the image again for encodings that the survey did not cover.
 struct Evidence {
   const RawImage& image;
   const ImageSurvey& survey;
@@ -68,8 +68,8 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
   return false;
 }
 
-// Says why a grey image is not a height field; nullopt if it may be one. Refuses images with one or two finite values,
-// up to a fiftieth of their difference (an 8-bit compressed mask).
+// Says why a grey image is not a height field; nullopt if it may be one. Rejects images with one or two finite values.
+// Values may vary by a fiftieth of the difference of the two (an 8-bit compressed mask).
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
@@ -80,15 +80,15 @@ std::optional<std::string> grey_refusal(const Evidence& evidence) {
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
-// Returns whether vectors around +Z all have one length, whatever it is. Such vectors are normals times a constant,
-// which normalising removes.
+// Returns whether all vectors around +Z have the same length, which can be any. Such vectors are normals times a
+// constant, which normalising removes.
 bool has_one_length(const VectorStatistics& s) {
   constexpr double kSpreadMax = 0.05;
   return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
          std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
 }
 
-// Rates how well a reading explains the numbers. Unit vectors rate best, then vectors of one other length. A rebuilt z
+// Rates how well a reading explains the values. Unit vectors rate best, then vectors of one other length. A rebuilt z
 // rates by possible vectors that do not all lean to one side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
@@ -97,7 +97,7 @@ double plausibility(const Reading& reading) {
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }
 
-// Returns the encodings that compete for a given use of blue; the first one wins a tie.
+// Returns the possible encodings for a given use of blue; the first one wins a tie.
 std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, VectorEncoding encoding,
                                                   const NormalMapSettings& settings) {
   encoding.is_signed = settings.is_signed.value_or(false);
@@ -109,7 +109,7 @@ std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, Vector
   return candidates;
 }
 
-// Chooses unsigned or signed for a given use of blue: the more plausible one, unsigned in a tie.
+// Chooses unsigned or signed for a given use of blue: the more plausible reading, or unsigned in a tie.
 Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
   std::optional<Reading> best;
   for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
@@ -145,8 +145,8 @@ double filler_noise(const RawImageInfo& info) {
 }
 
 // Returns whether a constant blue differs from the z of unit vectors by more than filler_noise(). Such a blue is
-// filler, as in two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02; there (x, y, 1) and
-// the rebuilt vector differ by 0.2 degrees, half a code of 8 bits. For flat maps both readings are flat.
+// filler, as in two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02; at this tilt, (x,
+// y, 1) and the rebuilt vector differ by 0.2 degrees, half a code of 8 bits. For flat maps both readings are flat.
 bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.tilted_share == 0.0) return false;
@@ -155,16 +155,17 @@ bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
 }
 
-// Old tools and some models store z in 0..1. Read as 2 * blue - 1, tilts are too large: by 0.6 degrees at 16 degrees,
-// 8 at 36, 30 at 60. Measured: such files have a positive length error of 0.0012 to 0.002 in 8 bits, or 0.01 to 0.02
-// after JPEG. This is at most a third of the other error where it matters. Real maps shortened by blurring or
-// compression reach 0.020 and a ratio of 2.4, or 0.023 and 4.5. Of 636 real maps, one (a picture frame) has 0.005 and
-// 5; it does store z in 0..1.
+// Old tools and some models store z in 0..1. If z is read as 2 * blue - 1, tilts are too large: by 0.6 degrees at a
+// tilt of 16 degrees, by 8 at 36, and by 30 at 60. Measured: such files have a positive length error of 0.0012 to 0.002
+// in 8 bits, or 0.01 to 0.02 after JPEG. If the choice matters, this error is at most a third of the other error. Real
+// maps shortened by blurring or compression reach 0.020 and a ratio of 2.4, or 0.023 and 4.5. Of 636 real maps, one (a
+// picture frame) has 0.005 and 5; it does store z in 0..1.
 bool is_z_positive(const Evidence& evidence, const Reading& reading, const NormalMapSettings& settings) {
   constexpr double kExact = 0.012, kExactRatio = 3.0, kCompressed = 0.03, kCompressedRatio = 6.0;
   const VectorStatistics& s = reading.statistics;
   if (settings.z_range || reading.encoding.is_signed || reading.encoding.rebuild_z) return false;
-  // Half a step of 8 bits in x, y and z makes an error of 0.0023; codes of 254 for 1 make three times that.
+  // Half a step of 8 bits in x, y and z causes an error of 0.0023; codes of 254 for 1 cause an error three times as
+  // large.
   const double least = evidence.info().sample_type == SampleType::kUint8 ? 0.007 : 0.0005;
   if (s.length_error < least) return false;
   const double ratio = s.length_error / std::max(1e-9, s.positive_length_error);
@@ -186,7 +187,7 @@ Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings
   if (first.statistics.unit_share_10 >= 0.8 && !is_blue_filler(evidence, first)) return first;
   encoding.rebuild_z = true;
   const Reading rebuilt = best_signedness(evidence, encoding, settings);
-  // If x^2 + y^2 > 1, the rebuilt vectors are (x, y, 1), without unit length, so blue is meant.
+  // If x^2 + y^2 > 1, the rebuilt vectors are (x, y, 1), without unit length, so blue must be z.
   return rebuilt.statistics.beyond_share <= 0.005 ? rebuilt : first;
 }
 
@@ -203,8 +204,9 @@ std::string summary(const Reading& reading) {
       100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
 }
 
-// Says why (x, y) with a rebuilt z are not normals. Flow maps are the trap: directions of length up to 1 with an empty
-// blue, but without the gradients of a surface, and far from flat (measured: agreement 0.00, rebuilt z 0.67).
+// Says why (x, y) with a rebuilt z are not normals. Flow maps look similar: they hold directions of length up to 1 with
+// an empty blue. But they lack the gradients of a surface and are far from flat (measured: agreement 0.00, rebuilt z
+// 0.67).
 std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
   if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
   if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
@@ -305,7 +307,7 @@ std::string blue_doubt_text(const VectorStatistics& s) {
       100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
 }
 
-// Refuses or warns, unless the settings say what blue is.
+// Throws or warns, unless the settings define the meaning of blue.
 void check_blue(const std::string& path, const Evidence& evidence, const Reading& reading,
                 const NormalMapSettings& settings, std::vector<std::string>& warnings) {
   if (settings.z_range) return;
@@ -399,7 +401,7 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
                       {coding, std::nullopt}, settings);
 }
 
-// Reads a file as heights because the caller asked for it.
+// Reads a file as heights because the settings request it.
 DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
   if (is_grey(evidence))
     return height_field(
@@ -427,7 +429,7 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
 
 const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
 
-// Warns about normals times a constant, because a file of something else would be normalised too.
+// Warns about normals times a constant, because a file with other contents would be normalised too.
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
@@ -436,8 +438,8 @@ void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) 
                   s.length_mean));
 }
 
-// Warns if the direction of green is unknown, or was set against the evidence. A wrong green swaps bumps and dents
-// along y.
+// Warns if the direction of green is unknown, or if the settings contradict the statistics. A wrong green swaps bumps
+// and dents along y.
 void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
                    std::vector<std::string>& warnings) {
   if (!settings.green && !found) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detects the meaning of an image's numbers from their statistics: height field or normal map, signed or 0..1, two or
-// three channels, green up or down. The answer includes its reason. A file that is neither is refused with the reason.
+// Detects the meaning of an image's values from their statistics: height field or normal map, signed or 0..1, two or
+// three channels, green up or down. The answer includes its reason. A file that is neither is rejected with the reason.
 #pragma once
 
 #include <functional>
@@ -25,8 +25,8 @@ struct DetectedEncoding {
   std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 
-/// Returns the encodings whose statistics detect_encoding() will probably need, as far as known before reading rows.
-/// The survey of the image should cover them.
+/// Returns the encodings whose statistics detect_encoding() will probably need, as far as this is known before rows are
+/// read. The survey of the image should cover them.
 std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
 
 /// Returns whether an image is grey, up to compression noise.
@@ -36,7 +36,7 @@ bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey);
 using GreenOfSet = std::function<std::optional<GreenAxis>(std::optional<GreenAxis> own)>;
 
 /// Follows the overrides in `settings`. Throws Error(kInput) with the reason if the file is neither a normal map nor a
-/// height field, unless settings.bump_format says which.
+/// height field, unless settings.bump_format states its kind.
 DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
                                  const NormalMapSettings& settings, int threads, const GreenOfSet& green_of_set = {});
 

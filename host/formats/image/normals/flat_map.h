@@ -10,11 +10,11 @@ namespace multum {
 
 enum class Flatness { kRelief, kOneNormal, kFlat };
 
-/// Returns whether all normals are within one 8-bit step of each other, and of +Z. Stops reading at the first row that
-/// differs.
+/// Returns whether all normals are within one 8-bit step of each other, and whether they are within one step of +Z.
+/// Stops reading at the first row that differs.
 Flatness flatness_of(const PlaneStore& normals);
 
-/// Returns a note for the user; empty for a relief.
+/// Returns a note for the user; empty if the map is not flat.
 std::string flat_note(Flatness flatness);
 
 }  // namespace multum

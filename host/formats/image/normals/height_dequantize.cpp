@@ -3,7 +3,7 @@
 // and neighbours are blended over both overlaps. Any mean of two surfaces within the bounds is within the bounds too.
 //
 //   tile 0   1 1 1 1 1 1 \ . . .
-//   tile 1       . . . . / 1 1 1 1        weights along a row; the border is in the middle of the slope
+//   tile 1       . . . . / 1 1 1 1        weights along a row; the border between tiles is in the middle of the slope
 #include "host/formats/image/normals/height_dequantize.h"
 
 #include <algorithm>

@@ -8,13 +8,13 @@
 
 namespace multum {
 
-/// Number of texels beyond the image's sides that are used, where they are known.
+/// Number of known texels beyond the image's sides that are used.
 constexpr int kDequantizeMargin = 128;
 
 /// Returns heights with one more row and column on each side, as HeightSurface::rows() does with a margin of 1: texel
-/// (column, row) is at (column + 1, row + 1). Each height is within `step` / 2 of the given one, or NaN if there is
-/// none. Neighbours that differ by more than 1.5 steps are an edge, which stays sharp. The result does not depend on
-/// `threads` or `spill`. Can cancel between tiles.
+/// (column, row) is at (column + 1, row + 1). Each height is within `step` / 2 of the given height, or NaN if there is
+/// no height. Neighbours that differ by more than 1.5 steps are an edge, which stays sharp. The result does not depend
+/// on `threads` or `spill`. Can cancel between tiles.
 RawImage dequantized_heights(const HeightSurface& surface, double step, const SpillPolicy& spill, int threads,
                              Progress* progress);
 

@@ -64,7 +64,7 @@ bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlo
 // both.
 void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, double slope_rms,
                     const NormalMapSettings& settings) {
-  const bool is_scale_said = settings.height_scale != 1.0f;  // nobody sets the default explicitly
+  const bool is_scale_said = settings.height_scale != 1.0f;  // users never set the default explicitly
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto && surface.reading().coding == HeightCoding::kGrey)
     text = fmt::format("a grey image, read as a height field with a height scale of {:g}{}", settings.height_scale,
@@ -86,7 +86,7 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
   if (!text.empty()) report.warnings.push_back(text);
 }
 
-// Sums over one row, so that the total does not depend on the division into bands.
+// Sums over one row. With sums by rows, the total does not depend on the division into bands.
 struct RowSums {
   std::int64_t lifted = 0;
   std::int64_t missing = 0;  // texels without a height
@@ -94,7 +94,7 @@ struct RowSums {
   float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();  // heights
 };
 
-// Returns twice the slope at a texel, from both neighbours, or from the only one with a height.
+// Returns twice the slope at a texel, from both neighbours, or from the only neighbour with a height.
 double twice_slope(float before, float at, float after) {
   const bool has_before = !std::isnan(before), has_after = !std::isnan(after);
   const auto difference = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
@@ -145,7 +145,7 @@ RowSums& operator+=(RowSums& sums, const RowSums& more) {
   return sums;
 }
 
-// Writes the normals of a surface, or of its dequantized_heights() if not null.
+// Writes the normals of a surface, or of `dequantized` heights if these are not null.
 RowSums write_normals(const HeightSurface& surface, const RawImage* dequantized, const NormalMapSettings& settings,
                       const SpillPolicy& spill, int threads, Progress* progress, PlaneStore& store) {
   const int width = surface.width(), height = surface.height();

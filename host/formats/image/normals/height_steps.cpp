@@ -68,7 +68,7 @@ std::vector<Lattice> lattices(const HeightSurface& surface) {
   if (reading.coding != HeightCoding::kGrey) return {codes};
   if (info.base_type == number_type::kUint16)
     return {Lattice(255.0, 1e-3, Step::kOne), Lattice(65535.0 / 256.0, 1e-3, Step::kOne), codes};
-  // The steps of half floats are up to 0.12 of these.
+  // The steps of half floats are up to 0.12 times these steps.
   if (is_float_type(info.sample_type))
     return {Lattice(255.0, info.base_type == number_type::kHalf ? 0.065 : 1e-3, Step::kOne),
             Lattice(1.0, 0.0, Step::kFound)};
@@ -82,8 +82,8 @@ double known_step(const HeightSurface& surface) {
   return is_byte ? 1.0 / 255.0 : 0.0;
 }
 
-// Counts triples of texels in a line. At the edge of a terrace, two are equal and the third differs by one step. On
-// slopes, and with noise, both pairs differ.
+// Counts triples of texels in a line. At the edge of a terrace, two texels are equal and the third differs by one step.
+// On slopes, and with noise, both pairs differ.
 struct StepCounts {
   double edges = 0.0, others = 0.0;
 

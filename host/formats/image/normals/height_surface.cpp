@@ -33,7 +33,7 @@ HeightSide side_of(WrapMode mode) {
   return {};
 }
 
-// Combines the bytes of 8-bit channels into one number; red is the highest byte.
+// Combines the bytes of 8-bit channels into one number; red holds the highest byte.
 double number_of_bytes(const float* texel, int byte_count) {
   std::uint32_t number = 0;
   for (int c = 0; c < byte_count; ++c) number = number << 8 | static_cast<std::uint32_t>(texel[c] * 255.0f + 0.5f);
@@ -107,7 +107,8 @@ bool HeightSurface::is_no_data(const float* texel, std::size_t channel_count) co
   return reading_.no_data && channel_count == 1 && texel[0] == *reading_.no_data;
 }
 
-// A non-finite channel makes the texel non-finite: infinite, because NaN stands for texels without a height.
+// A non-finite channel makes the texel non-finite: the result is infinite, because NaN stands for texels without a
+// height.
 HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   RawRows raw;
   image_.read_rows(row_begin, row_end - row_begin, raw);

@@ -14,8 +14,8 @@
 namespace multum {
 
 /// Ways in which the colour channels hold a height. kGrey is their mean. The others have 8 bits per channel, and V is
-/// the number with these bytes, red the highest. kPacked16: V / 65535 of red and green. kPacked24: V / 16777215 of all
-/// three. kTerrarium: V / 256 - 32768 metres. kMapbox: V / 10 - 10000 metres.
+/// the number with these bytes, of which red is the highest. kPacked16: V / 65535, from red and green. kPacked24: V /
+/// 16777215, from all three channels. kTerrarium: V / 256 - 32768 metres. kMapbox: V / 10 - 10000 metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
 /// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.
@@ -29,9 +29,9 @@ struct HeightReading {
 /// Returns the size of a value difference of 1 in the file's own numbers: 255 for 8 bits, 1 for floats and metres.
 double value_unit(const RawImageInfo& info, const HeightReading& reading);
 
-/// Rows of heights. NaN: no height.
+/// Rows of heights; NaN means no height.
 struct HeightRows {
-  int column_begin = 0;  // below 0: includes columns beyond the border
+  int column_begin = 0;  // below 0 if there are columns beyond the border
   int row_begin = 0;
   int row_width = 0;
   std::vector<float> values;
@@ -51,7 +51,7 @@ struct HeightRows {
 struct HeightSide {
   enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
   Beyond beyond = Beyond::kEnd;
-  // kStrip: rows or columns next to the border, in picture order; nothing is known beyond its depth.
+  // For kStrip: rows or columns next to the border, in picture order. Texels beyond the depth of the strip are unknown.
   std::shared_ptr<const HeightRows> strip = nullptr;
 };
 
@@ -65,8 +65,8 @@ HeightSides wrapped_sides(WrapMode wrap_s, WrapMode wrap_t);
 
 class HeightSurface {
  public:
-  /// The image must outlive it. Repairs non-finite heights by `fix_nan`, unless `is_finite` says that there are none.
-  /// kBox3: mean of the finite 3 x 3 neighbours, otherwise 0; kBlack: 0.
+  /// The image must outlive the object. Repairs non-finite heights by `fix_nan`, unless `is_finite` says that there are
+  /// none. kBox3: mean of the finite 3 x 3 neighbours, otherwise 0; kBlack: 0.
   HeightSurface(const RawImage& image, const HeightReading& reading, bool is_finite, FixNan fix_nan,
                 HeightSides sides = {});
 

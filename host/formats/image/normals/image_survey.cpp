@@ -61,8 +61,8 @@ void ImageSurvey::add_value(float value) {
   range.high = std::max(range.high, value);
 }
 
-// Knows the values that programs write without declaring them: the lowest int16 and the next, -9999, and the lowest
-// float. All other heights must be less than half as deep.
+// Recognises values that programs write without declaring them: the lowest int16 and the next one, -9999, and the
+// lowest float. All other heights must be less than half as deep.
 std::optional<float> ImageSurvey::no_data() const {
   if (info_.channel_count != 1) return std::nullopt;
   if (stated_) return stated_count_ > 0 ? stated_ : std::nullopt;

@@ -24,12 +24,13 @@ class ImageSurvey {
 
   struct Range {
     float low = std::numeric_limits<float>::infinity();
-    float high = -std::numeric_limits<float>::infinity();  // below `low` until a value is finite
+    float high = -std::numeric_limits<float>::infinity();  // below `low` until there is a finite value
   };
-  /// Range of a channel's finite values; in images with one channel, without no_data().
+  /// Range of a channel's finite values; excludes no_data() in images with one channel.
   Range range(int channel) const;
   /// For images with one channel: the value of texels without data, as converted by SampleConverter. If the file does
-  /// not state it, it is the lowest value, provided that it is a usual one and far below all others.
+  /// not state this value, it is the lowest value, provided that the lowest value is a usual one and far below all
+  /// others.
   std::optional<float> no_data() const;
   std::int64_t no_data_count() const { return no_data() ? stated_count_ + (stated_ ? 0 : low_count_) : 0; }
   /// Number of texels with a channel that is NaN or infinite, and the index of the first one, row by row.
@@ -40,12 +41,12 @@ class ImageSurvey {
   std::int64_t all_zero_count() const { return all_zero_count_; }
   /// Rms distance of three channels from their mean, over the finite texels; 1 if none is finite. For floats, it is
   /// relative to the rms of the values, because a height in metres and a dim photograph have different scales. For
-  /// integers, it is relative to the whole range. Returns the larger result of all texels, and of those without the 1
-  /// % largest values, so that a few outliers cannot hide the rest.
+  /// integers, it is relative to the whole range. Returns the larger of two results: for all texels, and for all
+  /// without the 1 % largest values, so that a few outliers cannot hide the other texels.
   double chroma_rms() const;
   /// Standard deviation of the channels' mean, in the unit and over the texels of chroma_rms().
   double grey_deviation() const;
-  /// Statistics of one of `readings`; nullopt for others.
+  /// Statistics of one of `readings`; nullopt for other readings.
   std::optional<VectorStatistics> statistics(const VectorEncoding& encoding) const;
 
  private:
@@ -55,8 +56,8 @@ class ImageSurvey {
   RawImageInfo info_;
   SampleConverter converter_;
   std::array<Range, 3> ranges_;
-  // For images with one channel: the value that the file states for texels without data, and its count. Otherwise, the
-  // lowest value, its count, and the second lowest.
+  // For images with one channel: the value that the file states for texels without data, and the count of this value.
+  // Otherwise, the lowest value, its count, and the second lowest value.
   std::optional<float> stated_;
   std::int64_t stated_count_ = 0, low_count_ = 0;
   float second_low_ = std::numeric_limits<float>::infinity();

@@ -43,7 +43,7 @@ struct Decoding {
   VectorEncoding encoding;
   double zero_length;
 
-  // Decodes one texel's normal; flat if it has none.
+  // Decodes one texel's normal; the result is flat if the texel has no normal.
   TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
     n = glm::dvec3(0.0, 0.0, 1.0);
     if (encoding.empty_is_unused && is_empty(encoding, r, g, b)) {
@@ -105,8 +105,8 @@ DecodedRows decode_rows(const Decoding& decoding, int row_begin, int row_end, Te
   return rows;
 }
 
-// Returns the mean of the good texels among the 8 neighbours inside the image; flat if there are none, or if they
-// cancel.
+// Returns the mean of the good texels among the 8 neighbours inside the image; the result is flat if there are none, or
+// if they cancel out.
 glm::dvec3 neighbours_mean(const DecodedRows& rows, int column, int row) {
   glm::dvec3 sum(0.0);
   for (int y = std::max(rows.row_begin, row - 1); y < std::min(rows.row_end, row + 2); ++y) {
@@ -143,7 +143,7 @@ DecodedRows repaired_rows(const Decoding& decoding, int row_begin, int row_end, 
 }
 
 // Adds a warning to the report if more than kUnusedShareNoted of the texels were never written. Throws Error(kInput)
-// for more than kUnusedShareMax, unless the settings say that the file is a normal map. `empty` names the contents of
+// for more than kUnusedShareMax, unless the settings declare the file a normal map. `empty` names the contents of
 // such texels.
 void check_unused_share(const std::string& path, NormalMapRows& map, const NormalMapSettings& settings,
                         const char* empty) {

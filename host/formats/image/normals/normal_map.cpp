@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads, finds out what the numbers mean, decodes, and repairs, in this order, because a repair must not change the
-// evidence.
+// Reads the file, detects the meaning of its values, decodes and repairs, in this order, because a repair must not
+// change the statistics.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <array>
@@ -60,12 +60,12 @@ struct Direction {
   bool has_neighbour;  // a tile of the set continues the map there
 };
 
-// True if the map only repeats by default, and does not seem to repeat.
+// True if the map repeats only by default, and the border suggests that it does not repeat.
 bool is_doubtful(const Direction& direction, WrapMode said) {
   return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
 }
 
-// Returns the mode of one direction: `said`, unless the map decides; adds the finding to the reason.
+// Returns the mode of one direction: `said`, unless the map decides; adds the result to the reason.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
   if (direction.origin != WrapOrigin::kFound) return said;
   const WrapMode mode = direction.step.is_seam() ? WrapMode::kClamp : WrapMode::kPeriodic;
@@ -104,7 +104,7 @@ Direction direction_t(const MapSeams& seams, const NormalMapSettings& settings, 
   return {"t (y)", "twrap", seams.t, settings.wrap_t_origin, has_neighbour};
 }
 
-// With wrap "auto", a map that continues in another tile does not repeat, whatever its other end looks like.
+// With wrap "auto", a map that continues in another tile does not repeat, even if its other end matches.
 void report_wrap(const NormalMapSettings& wrapped, const Direction& s, const Direction& t, NormalMapReport& report) {
   const auto mode = [](const Direction& direction, WrapMode resolved) {
     return direction.has_neighbour && direction.origin == WrapOrigin::kFound ? WrapMode::kClamp : resolved;
@@ -150,7 +150,7 @@ std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSe
   return green;
 }
 
-// Asks the other tiles of a set about green, and notes in `record` which tile decided.
+// Finds green in the other tiles of a set, and stores in `record` which tile decided.
 GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& spill, int threads, Progress* progress,
                         std::string& record) {
   if (settings.tiles == nullptr) return {};
@@ -248,7 +248,7 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
   if (!encoding.is_height_field) map.report.tiles = record;
   map.report.format = info.format;
   map.report.encoding_reason = encoding.reason;
-  // Equal heights with a small scale already have a warning, and a ramp of heights is a surface.
+  // Equal heights with a small scale already cause a warning, and a ramp of heights is a surface.
   const Flatness flatness = flatness_of(map.normals);
   if (!encoding.is_height_field || (flatness == Flatness::kFlat && map.report.warnings.empty()))
     if (const std::string note = flat_note(flatness); !note.empty()) map.report.warnings.push_back(note);

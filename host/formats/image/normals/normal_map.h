@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads normal maps and height fields. Statistics tell what the file's numbers mean; the meaning is printed and can be
-// overridden. A file that holds neither normals nor heights is refused with the reason. If a single property is
-// unclear, above all green, the usual value is used with a warning (docs/reference/input_maps.md has the rules).
+// Reads normal maps and height fields. Statistics reveal the meaning of the file's values; the meaning is printed and
+// can be overridden. A file that holds neither normals nor heights is rejected with the reason. If a single property is
+// unclear, most often green, the usual value is used with a warning (docs/reference/input_maps.md lists the rules).
 #pragma once
 
 #include <cstdint>
@@ -26,30 +26,30 @@ enum class WrapOrigin { kDefault, kSaid, kFound };
 
 struct NormalMapSettings {
   BumpFormat bump_format = BumpFormat::kAuto;
-  std::optional<GreenAxis> green = std::nullopt;   // unset: from statistics, up if undecided
-  std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are the vector, false: 0..1
-  std::optional<bool> two_channel = std::nullopt;  // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
-  std::optional<ZRange> z_range = std::nullopt;    // unset: from statistics; for unsigned files that store z
+  std::optional<GreenAxis> green = std::nullopt;   // if unset, from statistics, or up if these are undecided
+  std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are vectors; false: 0..1
+  std::optional<bool> two_channel = std::nullopt;  // if unset, from statistics; true: z = sqrt(1 - x^2 - y^2)
+  std::optional<ZRange> z_range = std::nullopt;    // if unset, from statistics; for unsigned files that store z
   float height_scale = 1.0f;                       // height in texels of a value difference of 1; finite, != 0
-  bool dequantize = false;                         // heights of few bits: use the smoothest surface that rounds to them
+  bool dequantize = false;                         // for heights of few bits, uses the smoothest surface that fits
   float normal_scale = 1.0f;              // scales x and y of a normal map, as glTF scales normal textures; finite
-  WrapMode wrap_s = WrapMode::kPeriodic;  // for height differences at the border
+  WrapMode wrap_s = WrapMode::kPeriodic;  // wrap mode for height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
-  WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // kFound: wrap_s has no meaning
+  WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // if kFound, wrap_s has no meaning
   WrapOrigin wrap_t_origin = WrapOrigin::kDefault;
-  bool refuse_doubts = false;  // refuses grey, and a blue that is not z, even if bump_format is kNormal
-  bool check_nan = false;      // refuses the first NaN or Inf, with its position
+  bool refuse_doubts = false;  // rejects grey, and a blue that is not z, even if bump_format is kNormal
+  bool check_nan = false;      // rejects the first NaN or Inf, with its position
   FixNan fix_nan = FixNan::kBox3;
-  float repair_share_max = 0.01f;  // of all texels, 0..1: more repairs refuse the file
+  float repair_share_max = 0.01f;  // largest share of repaired texels, 0..1; with more, the file is rejected
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  // A tile of a set that is read as one surface; null: a single map. Jobs of one set share it.
+  // A tile of a set that is read as one surface; null for a single map. Jobs of one set share it.
   std::shared_ptr<TileSet> tiles = nullptr;
   std::string tile = "";
 };
 
-/// Shares of texels that were never written. Above the first, a warning follows. Above the second, the file is
-/// refused, unless BumpFormat::kNormal says that it is a normal map. Up to the first, texels of NaN and signed texels
-/// of 0 count as single faults, which are repaired.
+/// Shares of texels that were never written. Above the first limit, a warning is printed. Above the second limit, the
+/// file is rejected, unless BumpFormat::kNormal declares it a normal map. Up to the first limit, texels of NaN and
+/// signed texels of 0 count as single faults, which are repaired.
 constexpr double kUnusedShareNoted = 0.01;
 constexpr double kUnusedShareMax = 0.5;
 
@@ -57,14 +57,14 @@ constexpr double kUnusedShareMax = 0.5;
 struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
-  std::string encoding_reason;              // the statistics behind it, one line
-  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md), or no data: flat
+  std::string encoding_reason;              // statistics that justify the encoding, in one line
+  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md) or without data
   std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
-  std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, otherwise flat
+  std::int64_t zero_length_repaired = 0;    // replaced by the mean of the 3 x 3 neighbours, otherwise flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/formats/image/normals/normal_decode.h)
   WrapMode wrap_s = WrapMode::kPeriodic;    // from the settings, or found in the map
   WrapMode wrap_t = WrapMode::kPeriodic;
-  std::string tiles;                  // taken from other tiles of a set (tile_source_hash()); may be empty
+  std::string tiles;                  // record of data from other tiles of a set (tile_source_hash()); may be empty
   std::vector<std::string> warnings;  // doubtful choices, and the option that settles each; one per line
 };
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A byte and the next lower byte hold one number if the lower byte completes the higher one. Where the higher byte
-// bends by b, that is 256 b in units of the lower byte. The two bytes together bend much less, because the lower byte
-// jumps the other way.
+// A byte and the next lower byte form one number if the lower byte completes the higher one. If the second difference
+// of the higher byte is b, it is 256 b in units of the lower byte. The second difference of both bytes together is much
+// smaller, because the lower byte jumps in the opposite direction.
 //
 //   high       5   5   6   6          256 high + low   1430 1480 1536 1590
 //   low      150 200   0  54          bends            by 6; 256 high bends by 256
 //
-// Colours never do that: their channels vary together, so the sum bends as much as the higher byte. Measured ratio:
+// Colours never behave in this way: their channels vary together, so the sum bends as much as the higher byte. Measured
+// ratio:
 // 0.02 to 0.4 for smooth heights, 0.97 and more for the normal maps and colours of shared/data.
 #include "host/formats/image/normals/packed_heights.h"
 
@@ -46,7 +47,7 @@ struct PackedSums {
   }
 };
 
-// Adds second differences along a row. Black means no data in elevation tiles, and does not count in their range.
+// Adds second differences along a row. Black means no data in elevation tiles, so it does not count for their range.
 void add_row(const float* values, std::size_t width, std::size_t channel_count, PackedSums& sums) {
   const auto code = [&](std::size_t column, std::size_t channel) {
     return std::round(values[column * channel_count + channel] * 255.0f);
@@ -68,18 +69,20 @@ void add_row(const float* values, std::size_t width, std::size_t channel_count, 
   }
 }
 
-// Ranges of red: Terrarium from 11,000 m below the sea to 9,500 m above; Mapbox, whose red counts 6553.6 m, the same.
+// Ranges of red: Terrarium from 11,000 m below the sea to 9,500 m above; Mapbox, with red in units of 6553.6 m, has the
+// same limits.
 std::optional<HeightCoding> coding_of(const PackedSums& sums, bool has_blue) {
   const bool is_terrarium_red = sums.is_within(0, 85.0f, 165.0f), is_mapbox_red = sums.is_within(0, 0.0f, 2.0f);
   if (has_blue && !sums.is_constant(2)) {
     if (is_mapbox_red && sums.green_blue.is_number()) return HeightCoding::kMapbox;
     const bool is_number = sums.red_green.is_number() || (sums.is_constant(0) && sums.green_blue.is_number());
     if (is_terrarium_red && is_number) return HeightCoding::kTerrarium;
-    // Blue also continues the number; it is not only unused.
+    // Blue also continues the number, so it is not an unused channel.
     if (sums.red_green.is_number() && sums.green_blue.is_number()) return HeightCoding::kPacked24;
   }
   if (!sums.red_green.is_number()) return std::nullopt;
-  // Whole metres. A 16-bit picture whose heights use so little of its range would hardly be exactly at sea level.
+  // Range in whole metres. A 16-bit picture whose heights use such a small part of its range would hardly lie exactly
+  // at sea level.
   constexpr float kTerrariumLow = 127.0f, kTerrariumHigh = 163.0f;
   const bool are_metres =
       has_blue && sums.is_constant(2) && sums.low[2] == 0.0f && sums.is_within(0, kTerrariumLow, kTerrariumHigh);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters that say how to read a map (kSourceGroup of bake_parameters()).
+// Applies the parameters for reading a map (kSourceGroup of bake_parameters()).
 #pragma once
 
 #include <optional>

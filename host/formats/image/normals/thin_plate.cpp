@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves from coarse to fine: a level's code is the mean of the 2 x 2 below it, and its plate is the start for the
-// next finer one. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009, "A fast
-// iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest eigenvalue of the energy is 64.
+// Solves from coarse to fine: a level's code is the mean of the 2 x 2 codes of the next finer level, and its plate is
+// the start for that level. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009,
+// "A fast iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest eigenvalue of the energy
+// is 64.
 //
 // Measured on smooth 8-bit surfaces with a step of 45 degrees: the mean error of normals falls from 17 degrees to 0.8
-// with 64 steps at the finest level, to 2.3 with 16, and to 0.2 with 300. Ramps, which plates represent exactly, have
-// errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More steps at coarse levels
-// would not help: the bounds of their means are too wide to determine a plate.
+// degrees with 64 steps at the finest level, to 2.3 with 16 steps, and to 0.2 with 300 steps. Ramps, which plates
+// represent exactly, have errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More
+// steps at coarse levels would not help: the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@
 namespace multum {
 namespace {
 
-constexpr int kFinestSteps = 64, kMostSteps = 250;  // twice as many at each coarser level
+constexpr int kFinestSteps = 64, kMostSteps = 250;  // steps, with twice as many at each coarser level
 constexpr int kCoarsestSide = 8;                    // the longer side
 constexpr int kLeastSide = 3;                       // fewer rows do not bend and have no slope
 constexpr float kCut = 1.5f;                        // codes
@@ -28,9 +29,9 @@ constexpr float kEigenvalueMax = 64.0f;
 struct Plate {
   int width = 0, height = 0;
   std::vector<float> codes;                          // 0 without a code
-  std::vector<std::uint8_t> is_whole;                // has a code, and no cut inside
-  std::vector<std::uint8_t> right_link, below_link;  // to the neighbour: 0 is cut
-  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights of h_xx, h_yy at a texel, h_xy at its lower right
+  std::vector<std::uint8_t> is_whole;                // true if the texel has a code and no cut inside
+  std::vector<std::uint8_t> right_link, below_link;  // links to neighbours; 0 means cut
+  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights: h_xx, h_yy at a texel, h_xy at its lower right
 
   std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
@@ -75,8 +76,8 @@ Plate finest_plate(const PlateProblem& problem) {
   return plate;
 }
 
-// Makes a level of texels with 2 x 2 uncut texels each; its code is their mean. An odd last row or column is dropped:
-// half a texel would stand for a wrong place and bend the plate.
+// Makes a level of texels with 2 x 2 uncut texels each; its code is their mean. An odd last row or column is dropped,
+// because half a texel would have a wrong position and would bend the plate.
 Plate coarser_plate(const Plate& fine) {
   Plate plate{fine.width / 2, fine.height / 2, {}, {}, {}, {}, {}, {}, {}};
   plate.codes.assign(plate.size(), 0.0f);
@@ -88,7 +89,7 @@ Plate coarser_plate(const Plate& fine) {
       const std::size_t upper = fine.at(2 * column, 2 * row), lower = fine.at(2 * column, 2 * row + 1);
       const std::size_t i = plate.at(column, row);
       plate.codes[i] = 0.25f * (fine.codes[upper] + fine.codes[upper + 1] + fine.codes[lower] + fine.codes[lower + 1]);
-      // Links exist only between texels with codes; a 2 x 2 has four.
+      // Links exist only between texels with codes; a 2 x 2 block has four links.
       plate.is_whole[i] =
           fine.right_link[upper] & fine.right_link[lower] & fine.below_link[upper] & fine.below_link[upper + 1];
       plate.right_link[i] = column + 1 < plate.width ? fine.right_link[upper + 1] & fine.right_link[lower + 1] : 0;
@@ -119,7 +120,8 @@ struct Continuation {
   int count = 0;
 };
 
-// Extends known heights by one texel into unknown ones: linearly from two linked neighbours, constant from one.
+// Extends known heights by one texel into unknown ones: linearly from two linked neighbours, constantly from one
+// neighbour.
 void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<std::uint8_t>& is_known) {
   const std::vector<float> before(heights);
   const std::vector<std::uint8_t> was_known(is_known);
@@ -150,8 +152,8 @@ void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<
   }
 }
 
-// Starts the finer level from planes through the coarser texels. Cut texels have no plane: there, the surrounding
-// heights continue, or if there are none, the codes are used.
+// Starts the finer level from planes through the coarser texels. Cut texels have no plane. They continue the
+// surrounding heights, or if there are none, use the codes.
 std::vector<float> refined(const Plate& coarse, const std::vector<float>& heights, const Plate& fine) {
   std::vector<float> result(fine.codes);
   std::vector<std::uint8_t> is_known(fine.size(), 0);
@@ -193,7 +195,7 @@ class Descent {
 
   // `momentum` comes from the previous step.
   void step(float momentum) {
-    std::fill(bend_y_[2].begin(), bend_y_[2].end(), 0.0f);  // of the row above the first
+    std::fill(bend_y_[2].begin(), bend_y_[2].end(), 0.0f);  // second differences of the row above the first row
     std::fill(twist_[1].begin(), twist_[1].end(), 0.0f);
     take_bend_y(0);
     for (int row = 0; row < plate_.height; ++row) {
@@ -242,7 +244,7 @@ class Descent {
                      (point_[at] - point_[at + 1] - point_[at + row_step] + point_[at + row_step + 1]);
     }
   }
-  // Moves down the gradient, back into the bounds, and on by the momentum.
+  // Moves down the gradient, then back into the bounds, then onward by the momentum.
   void move_row(int row, float momentum) {
     const std::vector<float>&above = bend_y_[static_cast<std::size_t>((row + 2) % 3)],
           &own = bend_y_[static_cast<std::size_t>(row % 3)], &below = bend_y_[static_cast<std::size_t>((row + 1) % 3)];
@@ -263,7 +265,7 @@ class Descent {
 
   const Plate& plate_;
   std::vector<float>& heights_;
-  std::vector<float> point_, next_;  // where the gradient is taken
+  std::vector<float> point_, next_;  // heights at which the gradient is computed
   // Texel i of a row is at i + 1.
   std::array<std::vector<float>, 3> bend_y_;
   std::array<std::vector<float>, 2> twist_;

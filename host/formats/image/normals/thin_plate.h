@@ -8,14 +8,15 @@
 
 namespace multum {
 
-/// A grid of `width` x `height` codes, row-major; NaN: no height.
+/// A grid of `width` x `height` codes, row-major; NaN means no height.
 struct PlateProblem {
   int width = 0;
   int height = 0;
   std::vector<float> codes;
 };
 
-/// Returns the plate's heights, within 1/2 of the codes; 0 without a code. Neighbours whose codes differ by more than
+/// Returns the plate's heights, within 1/2 of the codes, or 0 for texels without a code. Neighbours whose codes differ
+/// by more than
 /// 1.5 are cut apart. Computes in a fixed order.
 std::vector<float> thin_plate(const PlateProblem& problem);
 

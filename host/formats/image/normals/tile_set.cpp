@@ -159,9 +159,9 @@ std::string text_at(const Json& array, std::size_t i) {
 }
 
 constexpr char kNeighbourWord[] = "neighbour", kEndWord[] = "other end", kUnlikeWord[] = "unlike", kNoneWord[] = "none";
-constexpr char kUnaskedWord[] = "unasked";  // no neighbour, and the other end is not needed
+constexpr char kUnaskedWord[] = "unasked";  // place without a neighbour whose other end is not needed
 
-// Returns the current state of a place, as a word of a record, and the tile there.
+// Returns the current state of a place, as a word of a record, and the tile at this place.
 std::pair<std::string, std::string> place_now(const TileSet& set, const std::string& tile, TileSide side) {
   const TileBeside beside = set.beside(tile, side);
   if (beside.kind == Kind::kNeighbour) return {kNeighbourWord, beside.tile};
@@ -184,7 +184,7 @@ bool side_is_unchanged(const Json& entry, TileSet& set, const std::string& tile,
 bool green_is_unchanged(const Json& green, TileSet& set) {
   const Json& tiles = green.at("tiles");
   if (tiles.empty() || tiles.size() > set.tiles().size()) return false;
-  // One more tile may decide.
+  // Another tile may now decide.
   if (green.at("axis") == "undecided" && tiles.size() < set.tiles().size()) return false;
   for (std::size_t i = 0; i < tiles.size(); ++i)
     if (text_at(tiles[i], 0) != set.tiles()[i] || text_at(tiles[i], 1) != set.file_hash(set.tiles()[i])) return false;
@@ -326,7 +326,7 @@ bool tiles_are_unchanged(const std::string& record, TileSet& set, const std::str
   try {
     return (!json.contains("green") || green_is_unchanged(json["green"], set)) &&
            (!json.contains("heights") || heights_are_unchanged(json["heights"], set, tile, fix_nan));
-  } catch (const Json::exception&) {  // members that a record does not have
+  } catch (const Json::exception&) {  // the record lacks members
     return false;
   }
 }

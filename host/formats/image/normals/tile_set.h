@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A set of UDIM tiles (host/foundation/base/files/udim_set.h), read as one surface: heights continue in neighbouring
 // tiles, and green has the same direction in all tiles. The bake of one tile reads the others' borders itself, so the
-// tiles of a set can be distributed over any number of machines.
+// tiles of a set can be baked on any number of machines.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ const char* tile_side_name(TileSide side);
 struct TileBeside {
   enum class Kind {
     kNeighbour,  // another tile
-    kOtherEnd,   // last tile of a whole, repeating row or column; possibly the tile itself
+    kOtherEnd,   // last tile of a complete, repeating row or column; can be the tile itself
     kGap,        // `tile` is missing between two tiles of the row or column
     kBroken      // the end of a row or column with a gap elsewhere
   };
@@ -34,10 +34,10 @@ struct TileBeside {
   std::string tile;
 };
 
-/// Borders of a tile's heights, BorderReading::depth rows and columns, in the tile's own row and column numbers.
+/// Borders of a tile's heights, BorderReading::depth rows and columns, with the tile's own row and column numbers.
 struct TileBorders {
   int width = 0, height = 0, base_type = 0;
-  std::string failure;                                      // why there are no borders; empty: there are
+  std::string failure;                                      // why there are no borders; empty if there are some
   std::array<std::shared_ptr<const HeightRows>, 4> strips;  // by TileSide
   std::array<std::string, 4> hashes;                        // SHA-256 of each strip
 };
@@ -83,7 +83,7 @@ class TileSet {
 /// The sets of a run, each opened once.
 class TileSets {
  public:
-  /// Stores in `settings` which tile of which set a map is; nothing if the tile has no neighbours.
+  /// Stores in `settings` the set of a map and its tile in the set. Stores nothing if the tile has no neighbours.
   void enter(const std::string& pattern, const std::string& tile, NormalMapSettings& settings);
 
  private:
@@ -93,13 +93,13 @@ class TileSets {
 /// The surface beyond the borders of a tile's heights.
 struct TileSurroundings {
   HeightSides neighbours;  // neighbouring tiles; kEnd if there is none
-  HeightSides repeated;    // if the surface repeats: the other ends, on sides without a neighbour; otherwise kEnd
+  HeightSides repeated;    // if the surface repeats, the other ends on sides without a neighbour; otherwise kEnd
   bool has_neighbour_s = false, has_neighbour_t = false;
   std::string text;  // "goes on in 1002 (right)"
   std::vector<std::string> warnings;
   std::string record;  // JSON, for tiles_are_unchanged()
 };
-/// Directions in which a surface may repeat; only these look at other ends.
+/// Directions in which a surface can repeat. Other ends matter only in these directions.
 struct TileRepeats {
   bool s = true, t = true;
 };
@@ -107,13 +107,14 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
                                    const TileRepeats& repeats, const TileSet::BorderReading& reading,
                                    const SpillPolicy& spill);
 
-/// Adds the tiles that decided about green to a record, which may be empty.
+/// Adds to a record the tiles that decided about green; the record may be empty.
 std::string with_green(const std::string& record, TileSet& set, const TileSet::Green& green);
 
 /// Returns whether an older bake's record equals the current state. Does not read tiles whose files are unchanged.
 bool tiles_are_unchanged(const std::string& record, TileSet& set, const std::string& tile, FixNan fix_nan);
 
-/// Returns the hash of a tile as it was read: over its own file and the parts of other tiles that `record` lists.
+/// Returns the hash of a tile in the state in which it was read. Covers its own file and the parts of other tiles that
+/// `record` lists.
 std::string tile_source_hash(const std::string& file_hash, const std::string& record);
 
 }  // namespace multum

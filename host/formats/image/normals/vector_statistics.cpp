@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statistics of a normal map. The sharpest one is the agreement of gradients. The slopes p = dh/dx = -x/z and q =
-// dh/dy = -y/z of any surface satisfy dp/dy = dq/dx (Frankot & Chellappa 1988, "A method for enforcing
-// integrability"). So over a map with green up the two correlate at +1, with green down (q has the wrong sign) at -1,
-// and over colours not at all. The correlation is averaged over 1, 2 and 4 texels (2 x 2 means), because lossy
-// compression destroys it at 1. Of 36 real normal maps, 29 are beyond +-0.31, and the others (random facets, hard
-// edges, lossy or hand-painted) within 0.15. 19 colour images are within 0.14, all except one within 0.09.
+// Statistics of a normal map. The most reliable statistic is the agreement of gradients. The slopes p = dh/dx = -x/z
+// and q = dh/dy = -y/z of any surface satisfy dp/dy = dq/dx (Frankot & Chellappa 1988, "A method for enforcing
+// integrability"). So both derivatives have a correlation of +1 on a map with green up, -1 with green down (q has the
+// wrong sign), and 0 on colours. The correlation is averaged over 1, 2 and 4 texels (2 x 2 means), because lossy
+// compression destroys the correlation at 1 texel. Among 36 real normal maps, 29 are beyond +-0.31, and the others
+// (random facets, hard edges, lossy or hand-painted) are within 0.15. 19 colour images are within 0.14, and all except
+// one are within 0.09.
 //
-// Two statistics tell whether blue is z. One is the share of its variance that the tilt explains (correlation ratio
+// Two statistics show whether blue is z. One is the share of blue's variance that the tilt explains (correlation ratio
 // in bins of the tilt). The other is the scatter of lengths averaged over 4 x 4 texels: lossy compression scatters
 // lengths at single texels, but another map in blue scatters them at every scale.
 #include "host/formats/image/normals/vector_statistics.h"
@@ -36,7 +37,7 @@ struct CorrelationSums {
 
   void add(double x, double y) { n += 1, a += x, b += y, aa += x * x, bb += y * y, ab += x * y; }
   void add(const CorrelationSums& o) { n += o.n, a += o.a, b += o.b, aa += o.aa, bb += o.bb, ab += o.ab; }
-  // Returns 0 if either side is constant.
+  // Returns the correlation, or 0 if either side is constant.
   double correlation() const {
     if (n < 2) return 0.0;
     const double variance_a = aa / n - (a / n) * (a / n);
@@ -86,7 +87,7 @@ struct BandSums {
   DependenceSums dependence;
   std::array<CorrelationSums, kScaleCount> gradients;
 
-  // `blue`: z if blue itself is z.
+  // `blue` is z if blue itself is z.
   void add_vector(const glm::dvec3& v, double blue) {
     const double xy2 = v.x * v.x + v.y * v.y;
     const double length = std::sqrt(xy2 + v.z * v.z);
@@ -108,8 +109,8 @@ struct BandSums {
     log_length += log, log_length_squares += log * log;
     add_use_of_blue(v, length, z_of_unit, blue);
   }
-  // The vector and the one with rebuilt z are in one plane, so the sine of their angle is tilt * (difference of z) /
-  // lengths.
+  // The vector and the vector with rebuilt z are in one plane, so the sine of their angle is tilt * (difference of z) /
+  // (product of lengths).
   void add_use_of_blue(const glm::dvec3& v, double length, double z_of_unit, double blue) {
     const double weight = std::min(1.0, v.x * v.x + v.y * v.y), tilt = std::sqrt(weight);
     const double positive_length = std::sqrt(weight + blue * blue);
@@ -274,7 +275,7 @@ VectorStatistics statistics_of(const BandSums& sums) {
   result.length_mean = std::exp(log_mean);
   result.length_spread = std::sqrt(std::max(0.0, sums.log_length_squares / sums.n - log_mean * log_mean));
   add_use_of_blue(sums, result);
-  // A scale with fewer samples has no meaning: 64 random pairs have a correlation of 0.125 by chance.
+  // A scale with fewer samples is ignored: 64 random pairs have a correlation of 0.125 by chance.
   constexpr double kSamplesMin = 64;
   int scale_count = 0;
   for (const CorrelationSums& scale : sums.gradients) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statistics of an image's numbers read as vectors: the evidence for host/formats/image/normals/encoding_detection.
+// Computes statistics of an image's values, read as vectors, for host/formats/image/normals/encoding_detection.
 #pragma once
 
 #include <memory>
@@ -16,25 +16,25 @@ struct VectorStatistics {
   double unit_share_10 = 0.0;   // 0.10
   double unit_share_20 = 0.0;   // 0.20
   double below_share = 0.0;     // z < 0
-  double beyond_share = 0.0;    // x^2 + y^2 > 1.04: not a unit vector, even with 8-bit rounding
+  double beyond_share = 0.0;    // share with x^2 + y^2 > 1.04, not unit vectors even with 8-bit rounding
   double tilted_share = 0.0;    // |x| or |y| > 0.02
   double negative_share = 0.0;  // x or y < -0.02
   double mean_x = 0.0, mean_y = 0.0, mean_z = 0.0;
   double rebuilt_z_mean = 0.0;         // of sqrt(1 - x^2 - y^2)
-  double rebuilt_z_correlation = 0.0;  // of z with rebuilt z
+  double rebuilt_z_correlation = 0.0;  // correlation of z with the rebuilt z
   double blue_min = 0.0, blue_max = 0.0;
   double rebuilt_z_min = 1.0;
   double side_max = 0.0;            // largest |x| or |y|
-  double length_mean = 0.0;         // geometric, so that outliers of floats do not dominate
+  double length_mean = 0.0;         // geometric mean, so that outliers of floats do not dominate
   double length_spread = 0.0;       // standard deviation of ln |v|: at 0.05, lengths agree within about 5 %
   double gradient_agreement = 0.0;  // -1..1, see vector_statistics.cpp; + green up, - green down, 0 not a surface
   double gradient_sample_count = 0.0;
-  // The members below tell whether blue is z, if z is taken from blue.
+  // The members below show whether blue is z, if z is taken from blue.
   double length_error = 0.0;           // rms of |v| - 1, weighted by x^2 + y^2, because z of flat texels says nothing
-  double positive_length_error = 0.0;  // the same for (x, y, blue): ZRange::kPositive
+  double positive_length_error = 0.0;  // length error of (x, y, blue), for ZRange::kPositive
   double z_dependence = 0.0;           // correlation ratio of z on sqrt(x^2 + y^2), 0 to 1: at 1, z is a function of it
   double block_length_spread = 0.0;    // standard deviation of ln of the mean |v| of 4 x 4 texels
-  double rebuilt_angle = 0.0;          // rms angle in degrees between the vector and the one with rebuilt z
+  double rebuilt_angle = 0.0;          // rms angle in degrees between the vector and the vector with rebuilt z
 };
 
 /// Adds statistics row by row, from the top, each row once. At most about 16 Mi texels are examined (whole bands of 64

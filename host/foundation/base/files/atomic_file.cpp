@@ -28,8 +28,8 @@ constexpr char kPrefix[] = ".multum-tmp-";
 constexpr std::size_t kPlaceDigits = 8;
 constexpr std::time_t kForeignSeconds = 24 * 60 * 60;
 
-// Identifies the machine or the container: process numbers have a meaning only there, and several may write to one
-// folder.
+// Identifies the machine or the container, because process numbers are valid only there, and several machines can write
+// to one folder.
 const std::string& place() {
   static const std::string digits = [] {
     char host[256] = {};
@@ -41,7 +41,7 @@ const std::string& place() {
 }
 
 // Returns whether a process that has ended left the temporary file `found` of `name`. Processes of other places cannot
-// be checked: a file of another place counts as left after a day.
+// be checked: after a day, a file of another place counts as left over.
 bool is_leftover(const std::string& found, const std::string& name, const struct stat& state) {
   const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
   const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
@@ -55,13 +55,13 @@ bool is_leftover(const std::string& found, const std::string& name, const struct
          std::time(nullptr) - state.st_mtim.tv_sec > kForeignSeconds;
 }
 
-// Removes only files of this user: other users' files may have such a name too. The sweep lists the directory once per
-// written file, and never touches the file of a living process.
+// Removes only files of this user, because other users' files can have such a name too. The sweep lists the directory
+// once per written file, and never touches the file of a living process.
 void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   std::vector<std::string> names;
   try {
     names = names_in(place.folder, path);
-  } catch (const Error&) {  // the folder may not be listed
+  } catch (const Error&) {  // the folder cannot be listed
   }
   for (const std::string& found : names) {
     struct stat state {};
@@ -72,7 +72,8 @@ void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   }
 }
 
-// Refuses a name that belongs to anything but a regular file: it would be lost, or be written to by accident.
+// Rejects the name of an existing object that is not a regular file, because that object would be lost, or written to
+// by accident.
 void check_final_name(const NamedPlace& place, const std::string& path) {
   const auto refuse = [&](const char* what) {
     throw Error(ErrorCode::kUsage, path + ": " + what + ", expected the name of a file to write");
@@ -116,7 +117,7 @@ void AtomicFile::commit() {
   if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
     fail_by_errno(path_, "cannot be renamed to its final name");
   committed_ = true;
-  // A folder that may not be listed cannot be opened for syncing.
+  // A folder that cannot be listed cannot be opened for syncing.
   const OpenFile synced(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (synced.is_open() && ::fsync(synced.descriptor()) != 0)
     fail_by_errno(path_, "its folder cannot be synced to disk");

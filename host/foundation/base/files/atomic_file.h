@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes a file that appears whole or not at all: its bytes go to a temporary file in the same folder, which is synced
-// and renamed. The temporary file is new, has a random name, and is written through its descriptor. Links, pipes and
-// other files that somebody puts in its place are neither followed nor written to.
+// and renamed. The temporary file is new, has a random name, and is written through its descriptor. If somebody puts a
+// link, a pipe or another file in its place, it is neither followed nor written to.
 #pragma once
 
 #include <string>
@@ -15,8 +15,8 @@ namespace multum {
 class AtomicFile {
  public:
   /// Creates the temporary file, and removes those that killed runs of this user left for the same final name. Throws
-  /// Error(kUsage) for a name that an output cannot have: too long, or a folder, a device or a pipe. Throws
-  /// Error(kEnvironment) when the folder is missing or refuses the file.
+  /// Error(kUsage) for an unusable name: one that is too long, or belongs to a folder, a device or a pipe. Throws
+  /// Error(kEnvironment) if the folder is missing or no file can be created in it.
   explicit AtomicFile(std::string path);
   /// Removes the temporary file unless commit() was reached.
   ~AtomicFile();
@@ -28,8 +28,8 @@ class AtomicFile {
   /// A path to the open file itself, for functions that take names; valid in this process and in its children.
   const std::string& open_path() const { return open_path_; }
   const std::string& path() const { return path_; }
-  /// Syncs the temporary file and its folder, and gives the file its final name. Throws Error(kEnvironment), also when
-  /// the temporary name has come to name another file.
+  /// Syncs the temporary file and its folder, and gives the file its final name. Throws Error(kEnvironment), also if
+  /// the temporary name now belongs to another file.
   void commit();
 
  private:

@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-constexpr std::int64_t kWindowBytes = 4096;  // headers are read byte by byte; a stream seek discards its buffer
+constexpr std::int64_t kWindowBytes = 4096;  // headers are read byte by byte, and a stream's seek drops its buffer
 
 }  // namespace
 

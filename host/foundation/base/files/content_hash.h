@@ -18,7 +18,7 @@ class ContentHash {
 
   void update(const void* data, std::size_t byte_count);
   void update(std::string_view text) { update(text.data(), text.size()); }
-  /// Returns 64 lower-case hexadecimal digits. May be called once.
+  /// Returns 64 lower-case hexadecimal digits. Call it only once.
   std::string finish();
 
  private:

@@ -45,7 +45,7 @@ std::vector<ExrChannel> channels_of(ByteFile& file, const ExrAttribute& attribut
 
 std::int64_t floor_divided(std::int64_t x, std::int64_t by) { return x >= 0 ? x / by : -((by - 1 - x) / by); }
 
-// Counts the multiples of `step` from `begin` up to, but not including, `end`.
+// Counts the multiples of `step` from `begin` to before `end`.
 std::int64_t multiples(std::int64_t begin, std::int64_t end, std::int64_t step) {
   return floor_divided(end - 1, step) - floor_divided(begin - 1, step);
 }

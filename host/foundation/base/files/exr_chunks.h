@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the chunks of an OpenEXR file (its tiles or blocks of rows), checks their positions, and unpacks them. From a
+// Finds the chunks of an OpenEXR file (its tiles or blocks of rows), checks their positions, and unpacks them. For a
 // damaged chunk that is too short, OpenEXR 3.1 returns uninitialized memory without an error.
 #pragma once
 
@@ -25,13 +25,13 @@ struct ExrChannel {
 /// Texels that a chunk holds. Rows and columns are counted within its level, from the corner of the data window.
 struct ExrChunkArea {
   int level_x, level_y;  // differ only in ripmaps
-  int tile_x, tile_y;    // 0 and the number of the block if the part is not tiled
+  int tile_x, tile_y;    // position of the tile; 0 and the index of the block if the part is not tiled
   int x, y, width, height;
 };
 
 struct ExrChunkPlace {
   std::int64_t position;  // position of the packed bytes
-  std::int32_t size;      // at least 1; all of the bytes are within the file
+  std::int32_t size;      // number of packed bytes, at least 1, all within the file
 };
 
 struct ExrLevel {
@@ -40,9 +40,9 @@ struct ExrLevel {
   std::size_t first_chunk;  // index into ExrPart::chunks, which lists chunks row by row
 };
 
-/// The fields of a part's header that its chunks depend on, and the chunks in the order of the part's table.
+/// The header fields on which the chunks of a part depend, and the chunks in the order of the part's table.
 struct ExrPart {
-  std::string name;                         // empty: the only part of the file, without a name
+  std::string name;                         // empty for the only part of a file, which has no name
   std::vector<ExrChannel> channels;         // channels in the order of the file
   int x = 0, y = 0, width = 0, height = 0;  // data window
   int compression = 0;
@@ -55,9 +55,9 @@ struct ExrPart {
 /// Several threads may call it at once.
 class ExrChunks {
  public:
-  /// Reads headers and tables of the file, and the head of every chunk. Messages add `first_levels` (one per part;
-  /// empty: 0) to level numbers and begin with `damaged`. Throws Error(kInput), which names the file, part, level and
-  /// tile, for a chunk that is not where its table says, overlaps another, or has an impossible size.
+  /// Reads headers and tables of the file, and the head of every chunk. Messages add `first_levels` (one per part; 0 if
+  /// empty) to level numbers and begin with `damaged`. Throws Error(kInput), which names the file, part, level and
+  /// tile, for a chunk that is not at the position in its table, overlaps another chunk, or has an impossible size.
   explicit ExrChunks(const std::string& path, std::vector<int> first_levels = {}, std::string damaged = "damaged");
 
   const std::vector<ExrPart>& parts() const { return parts_; }
@@ -66,11 +66,11 @@ class ExrChunks {
   std::int64_t unpacked_bytes(std::size_t part, std::size_t chunk) const;
   /// Returns whether unpack() can unpack the part: stored uncompressed, or packed by RLE, ZIPS or ZIP.
   bool can_unpack(std::size_t part) const;
-  /// Unpacks the chunk's texels: row by row, within a row channel by channel, little-endian. Writes all
-  /// unpacked_bytes() of `unpacked`, or throws Error(kInput). Requires can_unpack().
+  /// Unpacks the chunk's texels row by row, within a row channel by channel, in little-endian order. Writes all
+  /// unpacked_bytes() bytes to `unpacked`, or throws Error(kInput). Requires can_unpack().
   void unpack(std::size_t part, std::size_t chunk, std::vector<unsigned char>& unpacked) const;
-  /// Unpacks every chunk with a known compression, to find chunks that are too short. The library detects short chunks
-  /// of other compressions.
+  /// Unpacks every chunk with a known compression, to find chunks that are too short. For other compressions, the
+  /// library itself detects short chunks.
   void check_all(int threads) const;
   /// Like check_all(), but only for chunks that hold rows from `first` to before `end` of the data window, in the
   /// part's first level.

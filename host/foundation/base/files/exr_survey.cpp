@@ -23,7 +23,7 @@ std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& po
   std::string text = file.bytes(position, std::min(left, kBytesMax), kHeader);
   const std::size_t size = text.find('\0');
   if (size == std::string::npos) {
-    if (left < kBytesMax) file.bytes(position, left + 1, kHeader);  // throws: the file is cut
+    if (left < kBytesMax) file.bytes(position, left + 1, kHeader);  // throws, because the file is cut
     refuse_file(path, "damaged EXR: a header name of more than 255 bytes");
   }
   text.resize(size);
@@ -42,8 +42,8 @@ std::int64_t exr_int(ByteFile& file, std::int64_t position) {
   return static_cast<std::int32_t>(file.little_endian(position, 4, kHeader));
 }
 
-// The offset table holds 8 bytes per chunk, and a chunk is a tile or at most 256 rows (DWAB). If the table of an image
-// size does not fit into the file, the size is false.
+// The offset table holds 8 bytes per chunk, and a chunk is a tile or at most 256 rows (DWAB). If the table for an image
+// size does not fit into the file, the size is wrong.
 void check_exr_table(const std::string& path, std::int64_t file_size, const ExrPartSize& part, std::int64_t tile_width,
                      std::int64_t tile_height) {
   std::int64_t chunk_count = (part.height + 255) / 256;
@@ -92,8 +92,8 @@ std::int64_t preview_size(ByteFile& file, std::int64_t begin) {
   return width < 0 || height < 0 || width > kSideMax || height > kSideMax ? -1 : 8 + 4 * width * height;
 }
 
-// The library reads a value by its type and ignores the length that precedes it. If the two differ, the library takes
-// bytes of the value for the length of the next attribute.
+// The library reads a value by its type and ignores the length before the value. If the lengths differ, the library
+// reads bytes of the value as the length of the next attribute.
 void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute& attribute) {
   const auto& [part, name, type, position, size] = attribute;
   static const std::map<std::string, std::int64_t> kSizes = {{"box2i", 16},      {"box2f", 16}, {"chromaticities", 32},
@@ -114,8 +114,8 @@ void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute
                                   size, expected, plain(type)));
 }
 
-// Reads one part's header: attributes of name, type, size 4, value; an empty name ends it. Returns false if it has
-// none.
+// Reads one part's header: attributes of name, type, size 4, value; an empty name ends it. Returns false if the part
+// has no attributes.
 bool walk_part(const std::string& path, ByteFile& file, int part, std::int64_t& position,
                const std::function<void(const ExrAttribute&)>& visit) {
   for (int attribute_count = 0;; ++attribute_count) {

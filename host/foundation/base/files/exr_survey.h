@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines an OpenEXR file's headers ("OpenEXR file layout") without the library: the library trusts the lengths in
-// them, and allocates gigabytes for an attribute of a file of 30 KiB.
+// Examines an OpenEXR file's headers ("OpenEXR file layout") without the library: the library trusts the lengths in the
+// headers, and allocates gigabytes for an attribute of a file of 30 KiB.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace multum {
 
 struct ExrPartSize {
   std::int64_t width = 0, height = 0;  // size of the data window, at least 1
-  std::string subsampled = {};         // a channel with fewer samples than texels; empty: none
+  std::string subsampled = {};         // name of a channel with fewer samples than texels; empty if there is none
 };
 
 struct ExrAttribute {
@@ -28,12 +28,12 @@ struct ExrAttribute {
 void walk_exr_headers(const std::string& path, ByteFile& file, const std::function<void(const ExrAttribute&)>& visit,
                       const std::function<void()>& end_part = {});
 
-/// Returns at least one part. Throws Error(kInput): deep images, cut files, attributes beyond the end of the file, or
-/// image sizes whose table of chunks does not fit into the file.
+/// Returns at least one part. Throws Error(kInput) for deep images, cut files, attributes beyond the end of the file,
+/// and image sizes whose chunk table does not fit into the file.
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
-/// Checks the first bytes and the headers before a library opens the file. Accepts a missing file, which the library
-/// refuses. Messages begin with `otherwise`, for example "not a readable baked file". Throws Error(kInput).
+/// Checks the first bytes and the headers before a library opens the file. Accepts a missing file, because the library
+/// itself rejects it. Messages begin with `otherwise`, for example "not a readable baked file". Throws Error(kInput).
 void check_exr_headers(const std::string& path, const std::string& otherwise);
 
 }  // namespace multum

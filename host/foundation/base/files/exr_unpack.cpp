@@ -61,7 +61,8 @@ void bring_together(const unsigned char* parted, std::size_t size, unsigned char
   if (size % 2 != 0) together[size - 1] = parted[size / 2];
 }
 
-// Expands runs. A count below 0 is followed by that many bytes; another count by one byte, repeated count + 1 times.
+// Expands runs. A negative count is followed by that number of bytes; any other count is followed by one byte, which is
+// repeated count + 1 times.
 const char* unroll(const unsigned char* packed, std::size_t packed_size, unsigned char* out, std::size_t size) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < packed_size;) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unpacks a chunk of an OpenEXR file to exactly its expected size.
+// Unpacks a chunk of an OpenEXR file to exactly the expected size.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,22 @@ constexpr int kCount = 10;
 
 /// Returns "none", "zip" and so on.
 const char* exr_compression_name(int compression);
-/// Rows per chunk of a part that is not tiled; 0: unknown compression.
+/// Rows per chunk of a part that is not tiled; 0 if the compression is unknown.
 int exr_rows_per_chunk(int compression);
 
 /// Returns whether unpack_exr() knows the compression.
 inline bool can_unpack_exr(int compression) { return compression >= 0 && compression <= exr_compression::kZip; }
 
-/// Writes all `size` bytes of `unpacked` and returns null, or returns a description of the fault: the contents of
-/// `unpacked` are then invalid. A chunk whose packed and unpacked sizes are equal is stored unpacked.
+/// Writes all `size` bytes of `unpacked` and returns null, or returns a description of the fault: in this case, the
+/// contents of `unpacked` are invalid. A chunk whose packed and unpacked sizes are equal is stored unpacked.
 const char* unpack_exr(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* unpacked,
                        std::size_t size);
 
-/// Returns the result of unpack_exr() without the unpacked bytes, for callers that give the packed bytes to a library.
+/// Returns the result of unpack_exr() without the unpacked bytes, for callers that pass the packed bytes to a library.
 const char* check_exr(int compression, const unsigned char* packed, std::size_t packed_size, std::size_t size);
 
-/// Returns whether so few packed bytes can unpack to `size`, so that a damaged size does not allocate memory.
+/// Returns whether this number of packed bytes can unpack to `size`, so that memory is not allocated for a damaged
+/// size.
 bool may_unpack_exr(int compression, std::size_t packed_size, std::size_t size);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hashes each file that a program reads, once. The hash covers the bytes that the file had when it was first examined;
-// a file that changes later is refused.
+// a file that changes later is rejected.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class InputHashes {
   std::string hash(const std::string& path);
   /// Throws Error(kInput) when the file has changed since note(): data read since then are invalid.
   void check_unchanged(const std::string& path);
-  /// The part of a file's state that other machines see too.
+  /// The part of a file's state that other machines also see.
   struct FileState {
     std::int64_t size = -1, modified_ns = 0;
     bool operator==(const FileState&) const = default;
@@ -34,7 +34,7 @@ class InputHashes {
   int read_count() const;
 
  private:
-  // Values that change with every write: a file that is replaced has another inode.
+  // Values that change with every write; a replaced file has another inode.
   struct Stamp {
     std::uint64_t device, inode;
     std::int64_t size, modified_ns, changed_ns;
@@ -53,8 +53,8 @@ class InputHashes {
   int read_count_ = 0;
 };
 
-/// Returns the SHA-256 of a regular file; nullopt if the name belongs to anything else, or the file cannot be opened.
-/// Neither waits for a pipe nor reads an endless device.
+/// Returns the SHA-256 of a regular file; nullopt if the name belongs to another kind of object, or the file cannot be
+/// opened. Does not wait for a pipe or read an endless device.
 std::optional<std::string> hash_regular_file(const std::string& path);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes bytes to an AtomicFile for libraries that write through callbacks. Exceptions may not pass through a callback,
-// so the first failure is stored and thrown when the file is closed.
+// Writes bytes to an AtomicFile for libraries that write through callbacks. Exceptions must not pass through a
+// callback, so the first failure is stored and thrown when the file is closed.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // files that do not exist yet may be in folders that do exist, under several names
+  std::error_code ignored;  // files that do not exist yet can be in existing folders with several names
   return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
 }
 
@@ -105,7 +105,7 @@ std::string existing_part(const std::string& path) {
 
 void check_writable(const std::string& path) {
   check_name(fs::path(path).filename(), path);
-  // Permissions do not tell everything (a read-only disk, root), so a file is created; it is removed with the probe.
+  // Permissions alone do not decide this (a read-only disk, root), so a file is created; it is removed with the probe.
   const AtomicFile probe(path);
 }
 

@@ -7,15 +7,15 @@
 
 namespace multum {
 
-/// Throws Error(kUsage) when an output is also an input or another output, under any name: the result would silently
-/// replace a source or another result. Also throws when the name of an output holds a control character. Empty names
-/// mean no file.
+/// Throws Error(kUsage) when an output is also an input or another output, under any name, because the result would
+/// silently replace a source or another result. Also throws when the name of an output holds a control character. Empty
+/// names mean no file.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
 /// Returns `path`, which `file` gives relative to its own folder; an empty path stays empty (no file).
 std::string path_beside(const std::string& file, const std::string& path);
 
-/// Returns the same name for all names of a file, which need not exist yet.
+/// Returns the same name for all names of a file. The file does not need to exist yet.
 std::string canonical_name(const std::string& path);
 
 /// Creates a folder and its parent folders if they are missing. Throws Error(kEnvironment), and Error(kUsage) for a new

@@ -20,10 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDepthMax = 64;    // nested folders, each of which is an open file
-constexpr int kTriesMax = 1000;  // others may remove the folder between its creation and its opening
+constexpr int kDepthMax = 64;    // largest depth of nested folders, each of which is an open file
+constexpr int kTriesMax = 1000;  // other processes can remove the folder between its creation and its opening
 constexpr char kMark[] = ".multum-folder";
-constexpr mode_t kOwnMode = 0700;  // no other user can list it, or put a link there
+constexpr mode_t kOwnMode = 0700;  // no other user can list the folder, or put a link there
 constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
@@ -137,7 +137,7 @@ NamedPlace open_place(const std::string& path) {
   const fs::path whole(path);
   const std::string above = whole.has_parent_path() ? whole.parent_path().string() : ".";
   NamedPlace place{OpenFile(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)), whole.filename().string()};
-  // The folder may be writable without being listable.
+  // The folder can be writable but not listable.
   if (!place.folder.is_open() && errno == EACCES)
     place.folder = OpenFile(::open(above.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!place.folder.is_open() && (errno == ENAMETOOLONG || errno == ELOOP))
@@ -190,7 +190,7 @@ bool clear_own_folder(const OpenFile& folder, const std::string& kept) {
 }
 
 bool remove_own_folder(const OpenFile& above, const std::string& name, const OpenFile& folder) {
-  // The mark goes last: after a kill, the remaining folder is still marked as ours, or empty.
+  // The mark is removed last. After a kill, the remaining folder is therefore still marked, or empty.
   if (!clear_own_folder(folder)) return false;
   ::unlinkat(folder.descriptor(), kMark, 0);
   return !is_named(above, name, folder.descriptor()) || ::unlinkat(above.descriptor(), name.c_str(), AT_REMOVEDIR) == 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens folders that only this user may write to, and empties them beneath their descriptors. Other users may often
-// write to the folders of outputs: a name that was free a moment ago may have become a link, so no name is trusted
+// Opens folders that only this user may write to, and empties them beneath their descriptors. Other users can often
+// write to the folders of outputs. A name that was free a moment ago can now be a link, so no name is trusted
 // twice.
 #pragma once
 
@@ -19,7 +19,7 @@ constexpr std::size_t kOutputNameMax = 200;
 /// Throws Error(kUsage) if `name` is longer than kOutputNameMax; messages show `path`.
 void check_name_length(const std::string& path, const std::string& name);
 
-/// A file's name, and its opened folder. Links to that folder are followed, since users may name folders by links.
+/// A file's name, and its opened folder. Links to the folder are followed, because users may name folders by links.
 struct NamedPlace {
   OpenFile folder;
   std::string name;
@@ -35,14 +35,14 @@ NamedPlace open_place(const std::string& path);
 //
 //   FOLDER/.multum-folder    the mark; without marks, a user who may rename folders could have another one emptied
 
-/// Opens the folder `name` of `above`, created if it is missing; does not mark it yet. If it is not ours, throws
-/// Error(kEnvironment), which names the obstacle, and does not change it. Messages show `path`.
+/// Opens the folder `name` of `above`, created if it is missing; does not mark it yet. If it is not an own folder,
+/// leaves it unchanged and throws Error(kEnvironment), which names the obstacle. Messages show `path`.
 OpenFile open_own_folder(const OpenFile& above, const std::string& name, const std::string& path);
-/// Marks an empty folder. Returns false if it was removed meanwhile. Throws Error(kEnvironment) for a folder that is
-/// not empty and has no mark.
+/// Marks an empty folder. Returns false if another process has removed the folder. Throws Error(kEnvironment) for a
+/// folder that is not empty and has no mark.
 bool mark_own_folder(const OpenFile& folder, const std::string& path);
-/// Opens the folder `name` of `above`, if it is ours; not open if there is none. Throws like open_own_folder() and
-/// mark_own_folder().
+/// Opens the folder `name` of `above` if it is an own folder; the result is not open if there is no such folder. Throws
+/// like open_own_folder() and mark_own_folder().
 OpenFile find_own_folder(const OpenFile& above, const std::string& name, const std::string& path);
 /// Removes the contents of an own folder, except for its mark and `kept`. Returns false like remove_entry().
 bool clear_own_folder(const OpenFile& folder, const std::string& kept = "");
@@ -56,8 +56,8 @@ bool is_named(const OpenFile& folder, const std::string& name, int descriptor);
 /// Returns the names in an open folder, except for "." and "..". Messages show `path`. Throws Error(kEnvironment).
 std::vector<std::string> names_in(const OpenFile& folder, const std::string& path);
 
-/// Removes a file, a link, or a folder with its contents. Follows no links, and leaves other devices that are mounted
-/// below. Returns false if anything could not be removed.
+/// Removes a file, a link, or a folder with its contents. Follows no links, and does not touch other devices that are
+/// mounted below. Returns false if anything could not be removed.
 bool remove_entry(const OpenFile& folder, const std::string& name);
 
 /// Returns 64 random bits from the system as 16 hexadecimal digits, for names that nobody can guess.

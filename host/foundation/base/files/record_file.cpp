@@ -42,7 +42,7 @@ bool write_all(int file, RecordFile::Bytes bytes, std::uint64_t offset) {
   return true;
 }
 
-// A kill or a loss of power may leave only the beginning of the first line, or zeros.
+// After a kill or a power failure, only the beginning of the first line, or zeros, may remain.
 bool is_torn(const std::string& text) {
   return text[0] == '\0' || (text.size() < kFormatBytes && std::string(kFormatLine).starts_with(text));
 }
@@ -139,7 +139,7 @@ void RecordFile::append(const std::vector<Bytes>& parts) {
   for (const Bytes& part : parts) {
     if (!write_all(file_.descriptor(), part, end)) {
       const int error = errno;
-      // If this fails too, the next run finds and removes the torn end.
+      // If this also fails, the next run finds and removes the torn end.
       [[maybe_unused]] const int ignored = ::ftruncate(file_.descriptor(), static_cast<off_t>(size_));
       errno = error;
       fail_by_errno(shown_path_, "cannot be written");

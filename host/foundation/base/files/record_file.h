@@ -47,9 +47,9 @@ class RecordFile {
   RecordFile(OpenFile file, std::string shown_path) : file_(std::move(file)), shown_path_(std::move(shown_path)) {}
 
   /// Calls `visit` with the places of the records, in order, until the file ends within a record or `visit` returns
-  /// false; it does so for a record that read() finds damaged. Returns the end of the last record that counts, or 0 if
-  /// the file has another key (null accepts any key) or torn first lines. Throws Error(kEnvironment) for an earlier
-  /// format or another kind of file.
+  /// false. `visit` returns false for a record that read() finds damaged. Returns the end of the last record that
+  /// counts, or 0 if the file has another key (null accepts any key) or torn first lines. Throws Error(kEnvironment)
+  /// for an earlier format or another kind of file.
   std::uint64_t visit_records(const std::string* key, const std::function<bool(const Place&)>& visit) const;
   /// Reads a record's bytes. Returns false if they are missing or do not match their checksum.
   bool read(const Place& place, std::vector<std::uint8_t>& bytes) const;
@@ -61,7 +61,7 @@ class RecordFile {
   void begin(const std::string& key);
   void go_on(std::uint64_t size);
   /// Appends a record made of these parts in order. Any number of threads may add and read at once. Throws
-  /// Error(kEnvironment) when the disk refuses; nothing of the record remains then.
+  /// Error(kEnvironment) if the disk fails; in this case, no part of the record remains.
   Place add(std::initializer_list<Bytes> parts);
 
   const std::string& shown_path() const { return shown_path_; }
@@ -79,13 +79,13 @@ class RecordFile {
 class RecordJournal : public RecordFile {
  public:
   /// With `resume`, shows the existing `records` of the same key to `visit`, and keeps them until `visit` returns
-  /// false; removes everything else. Returns null while another process makes the same output. Throws
+  /// false; removes everything else. Returns null if another process is making the same output. Throws
   /// Error(kEnvironment), also when the file to resume has an earlier format.
   using Visit = std::function<bool(Bytes bytes, const Place& place)>;
   static std::unique_ptr<RecordJournal> open(const std::string& output, const std::string& file, const std::string& key,
                                              bool resume, const Visit& visit);
 
-  /// Keeps the folder when this object is destroyed: stopped work may be resumed.
+  /// Keeps the folder when this object is destroyed, so that stopped work can be resumed.
   void leave() { folder_->leave(); }
 
  private:

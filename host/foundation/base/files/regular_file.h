@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens files that users name, for reading. For a FIFO, open() waits for a writer that may never come; a device may
-// have no end, and opening it may have effects. So a file is opened without waiting, examined through its descriptor,
-// and refused unless it is a regular file. Examining the name before opening would not suffice: the file may be
-// replaced in between.
+// Opens files that users name, for reading. For a FIFO, open() waits for a writer that may never come. A device may
+// have no end, and opening a device can have effects. So a file is opened without waiting, examined through its
+// descriptor, and rejected unless it is a regular file. A check of the name before opening would not suffice, because
+// the file can be replaced in between.
 #pragma once
 
 #include <ext/stdio_filebuf.h>
@@ -15,17 +15,18 @@
 
 namespace multum {
 
-/// Selects whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. It is read once and from
-/// its beginning, so only readers of whole texts allow it.
+/// Selects whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. Standard input is read
+/// once and from its beginning, so only readers of whole texts allow it.
 enum class StandardInput { kRefused, kAllowed };
 
-/// Opens `path` for reading. Not open, with errno, if it is missing or not readable. Throws Error(kInput) for a folder,
-/// a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file"; Error(kEnvironment) if this process may
-/// open no more files, or has no memory; Error(kUsage) for a name that no file system accepts.
+/// Opens `path` for reading. The result is not open, with errno, if the file is missing or not readable. Throws
+/// Error(kInput) for a folder, a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file";
+/// Error(kEnvironment) if this process has no memory or cannot open more files; Error(kUsage) for a name that no file
+/// system accepts.
 OpenFile open_regular_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
-/// Like open_regular_file(), but resolves `folder` and all links: the file's real name must be beneath `folder`. Throws
-/// Error(kInput) also if it is elsewhere.
+/// Like open_regular_file(), but resolves `folder` and all links: the file's real name must be beneath `folder`. Also
+/// throws Error(kInput) if it is outside `folder`.
 OpenFile open_file_beneath(const std::string& folder, const std::string& path);
 
 /// Returns up to `count` bytes from the beginning of the file; none for a folder or an unreadable file. Otherwise

@@ -15,9 +15,9 @@ class ScratchFile {
  public:
   /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
   explicit ScratchFile(std::string folder);
-  /// Opens a file of that name, with the data that an earlier process wrote to it. Throws likewise.
+  /// Opens a file of that name, with the data that an earlier process wrote to it. Throws Error(kEnvironment) too.
   ScratchFile(const WorkFolder& folder, const std::string& name);
-  /// The same, with the path() of a WorkFolder.
+  /// Like the constructor above, with the path() of a WorkFolder.
   ScratchFile(std::string folder, const std::string& name);
   /// Opens an existing file only for reading.
   static ScratchFile to_read(const std::string& path);
@@ -25,9 +25,9 @@ class ScratchFile {
   ScratchFile(ScratchFile&& other) noexcept;
   ScratchFile& operator=(ScratchFile&& other) noexcept;
 
-  /// Writes anywhere, also beyond the end. Throws Error(kEnvironment) when the disk refuses (for example, it is full).
+  /// Writes anywhere, also beyond the end. Throws Error(kEnvironment) if the disk fails (for example, if it is full).
   void write(std::uint64_t offset, const void* data, std::size_t byte_count);
-  /// Reads data that were written. Any number of threads may read at once.
+  /// Reads data that were written before. Any number of threads may read at once.
   void read(std::uint64_t offset, void* data, std::size_t byte_count) const;
 
  private:

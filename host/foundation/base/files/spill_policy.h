@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits the memory of images and levels, and names the folder for the rest.
+// Limits the memory of images and levels, and names the folder for larger data.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace multum {
 struct SpillPolicy {
   std::string scratch_folder = ".";
   std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // per store; larger stores go to scratch files
-  int band_rows = 0;  // rows of an image read or decoded at once, >= 0; 0: chosen by width. Results do not depend on it
+  int band_rows = 0;  // rows of an image that are read or decoded at once; 0: chosen by width; changes no result
 };
 
 }  // namespace multum

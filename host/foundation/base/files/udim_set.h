@@ -21,7 +21,7 @@ std::string with_tile(std::string path, const std::string& tile);
 /// One of the maps that a command line names.
 struct SetMap {
   std::string path;
-  std::string tile;      // tile of a set; empty: a single map
+  std::string tile;      // tile of a set; empty for a single map
   std::string set = "";  // pattern of the set, if it has other tiles too
 };
 
@@ -30,8 +30,8 @@ struct SetMap {
 std::vector<SetMap> maps_of_names(const std::vector<std::string>& inputs);
 
 /// Returns the output path for one of several maps: `pattern` with the map's tile, or a file in the folder `pattern`
-/// with the map's name and `suffix`. Empty stays empty. Throws Error(kUsage) if a pattern is not a folder and lacks
-/// `<UDIM>`. Makes a missing folder whose name has no extension.
+/// with the map's name and `suffix`. An empty pattern stays empty. Throws Error(kUsage) if a pattern is not a folder
+/// and lacks `<UDIM>`. Makes a missing folder whose name has no extension.
 std::string place_of_map(const std::string& pattern, const SetMap& map, const std::string& suffix);
 
 }  // namespace multum

@@ -22,8 +22,8 @@ constexpr char kWorkPrefix[] = ".multum-work-";
 
 enum class Lock { kTaken, kOurs, kUnsupported };
 
-// Some network file systems have no locks: work continues there, and no folder is removed as the folder of a killed
-// run.
+// Some network file systems have no locks. On these, work continues, but folders of killed runs are not
+// removed.
 Lock work_lock(const OpenFile& folder, const std::string& path) {
   while (::flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return Lock::kTaken;
@@ -40,7 +40,7 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
     NamedPlace place = open_place(path);
     OpenFile folder = open_own_folder(place.folder, place.name, path);
     if (work_lock(folder, path) == Lock::kTaken) return nullptr;
-    // Its previous owner may have removed the folder between our opening and our locking.
+    // The previous owner can remove the folder between our opening and our locking.
     if (!is_named(place.folder, place.name, folder.descriptor())) continue;
     try {
       if (mark_own_folder(folder, path))
@@ -55,7 +55,7 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
 std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
   const fs::path above = folder.empty() ? "." : folder;
   sweep(above.string());
-  while (true)  // another process's sweep may have locked it first
+  while (true)  // the sweep of another process may have locked it first
     if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the unfinished work of one process in a folder: created with mode 0700, locked, and used, emptied and removed
-// only through its descriptor. Every command keeps unfinished work in such a folder, next to its output or in a hidden
-// folder of that name. A link or a folder that somebody else puts there is never written to, and nothing behind it is
-// removed (own_folder.h).
+// Holds the unfinished work of one process in a folder: the folder has mode 0700, is locked, and is used, emptied and
+// removed only through its descriptor. Every command keeps unfinished work in such a folder, next to its output or in a
+// hidden folder of that name. A link or a folder that somebody else puts there is never written to, and nothing behind
+// it is removed (own_folder.h).
 #pragma once
 
 #include <memory>
@@ -15,15 +15,17 @@ namespace multum {
 
 class WorkFolder {
  public:
-  /// Creates the folder `path`, or takes an existing one with its contents. Returns null while another living process
-  /// has it. If it is not ours, throws Error(kEnvironment), which names the obstacle, and does not change it.
+  /// Creates the folder `path`, or takes an existing one with its contents. Returns null if another living process has
+  /// the folder. If it is not an own folder, leaves it unchanged and throws Error(kEnvironment), which names the
+  /// obstacle.
   static std::unique_ptr<WorkFolder> take(const std::string& path);
-  /// Creates a new work folder with a random name in `folder`, and removes those that killed runs left there. Throws
-  /// Error(kEnvironment).
+  /// Creates a new work folder with a random name in `folder`, and removes work folders that killed runs left there.
+  /// Throws Error(kEnvironment).
   static std::unique_ptr<WorkFolder> make(const std::string& folder);
   /// Removes work folders that killed runs of make() left in `folder`, and nothing else.
   static void sweep(const std::string& folder);
-  /// Takes and removes the folder `path`. Leaves a folder that take() would refuse, or that another process has.
+  /// Takes and removes the folder `path`. Does not touch a folder that take() would reject, or that another process
+  /// has.
   static void drop(const std::string& path);
   /// Removes the folder and its contents, unless leave() was called.
   ~WorkFolder();
@@ -38,7 +40,8 @@ class WorkFolder {
   int descriptor() const { return folder_.descriptor(); }
   /// Removes the contents, except for the entry `kept`. Throws Error(kEnvironment) when anything else remains.
   void clear(const std::string& kept = "") const;
-  /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. False: removes it (default).
+  /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. With false (the default),
+  /// removes it.
   void leave(bool stays = true) { stays_ = stays; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects warnings instead of showing them. Warnings of trial runs concern settings that the user did not choose, and
-// belong in the report of the trials.
+// Collects warnings instead of showing them. Warnings of trial runs are about settings that the user did not choose,
+// and belong in the report of the trials.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ class HeldWarnings {
   /// Returns the collected warnings in order and removes them.
   std::vector<std::string> take();
 
-  /// Gives the message to the innermost object; returns false if there is none.
+  /// Passes the message to the innermost object; returns false if there is no such object.
   static bool keep(const std::string& message);
 
  private:

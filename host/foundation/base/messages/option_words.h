@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names options in advice with the spelling of the running command. Code that several commands share writes its advice
-// with these functions, so that no command advises an option that it lacks (tools/check_advice.py).
+// Names options in advice with the spelling of the running command. Shared code of several commands writes its advice
+// with these functions, so that no command recommends an option that it lacks (tools/check_advice.py).
 #pragma once
 
 #include <optional>
@@ -21,18 +21,18 @@ void add_key_words(const std::vector<std::string>& names);
 /// empty value means a flag.
 std::optional<std::string> option_text(const std::string& name, const std::string& value = "");
 
-/// Replaces every "<name>" and "<name value>" in the text by the option. Returns "" if the command lacks one of them: a
-/// piece of advice is a separate text, appended to a message that is complete without it. Hidden marks separate it from
-/// the message; Error and the log remove them.
+/// Replaces every "<name>" and "<name value>" in the text by the option. Returns "" if the command lacks one of the
+/// options. Advice is a separate text, appended to a message that is complete without it. Hidden marks separate advice
+/// from the message; Error and the log remove the marks.
 std::string advice(const std::string& text);
 
 /// Returns the options of these parameters as advice: ": --green, --signed".
 std::string names_as_advice(const std::vector<std::string>& names);
 
-/// Returns the message without the marks, for people.
+/// Returns the message without the marks, for output to users.
 std::string with_advice(std::string message);
 std::vector<std::string> with_advice(std::vector<std::string> messages);
-/// Returns the message without its advice, which depends on the command: for messages that are stored in files.
+/// Returns the message without its advice, which depends on the command. Used for messages that are stored in files.
 std::string without_advice(const std::string& message);
 
 }  // namespace multum

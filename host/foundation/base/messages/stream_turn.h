@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps stdout, stderr and the progress bar apart when they go to one terminal, pipe or file. Stdout writes only whole
-// lines, one thread writes at a time, and the bar is wiped before any line.
+// lines, one thread writes at a time, and the bar is erased before any line.
 #pragma once
 
 #include <mutex>
@@ -12,7 +12,7 @@ namespace multum {
 /// once, before anything is written.
 void begin_whole_lines();
 
-/// Grants the right to write to stdout or stderr during its life. Wipes the bar.
+/// Gives this thread the right to write to stdout or stderr during its life. Erases the bar.
 class StreamTurn {
  public:
   StreamTurn();

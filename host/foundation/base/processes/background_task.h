@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs one task at a time in another thread. Each task begins when the previous one has ended, so their order is kept.
+// Runs one task at a time in another thread. Each task begins when the previous one has ended, so the order of tasks is
+// kept.
 #pragma once
 
 #include <functional>
@@ -11,14 +12,15 @@ namespace multum {
 class BackgroundTask {
  public:
   BackgroundTask() = default;
-  /// Waits for the task. An exception of the task is lost.
+  /// Waits for the task. Ignores an exception of the task.
   ~BackgroundTask() {
     if (running_.valid()) running_.wait();
   }
   BackgroundTask(const BackgroundTask&) = delete;
   BackgroundTask& operator=(const BackgroundTask&) = delete;
 
-  /// Waits for the previous task, throws its exception, and begins this one. If `threads` is 1, runs the task at once.
+  /// Waits for the previous task, throws its exception, and begins the new task. If `threads` is 1, runs the task at
+  /// once.
   void run(int threads, std::function<void()> task) {
     wait();
     if (threads == 1) task();

@@ -27,10 +27,10 @@ double seconds(const timeval& time) {
 // Linux reports KiB.
 std::uint64_t peak_memory_bytes(const rusage& usage) { return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; }
 
-// Sets the limits of a child from outside, immediately after its start, before it has read any untrusted file.
+// Sets the limits of a child from outside, immediately after its start, before the child reads any untrusted file.
 void hold_to(pid_t pid, const ChildLimits& limits) {
   if (limits.niceness > 0) ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), limits.niceness);
-#ifndef MULTUM_SHADOW_MEMORY  // sanitizers' shadow memory needs terabytes
+#ifndef MULTUM_SHADOW_MEMORY  // the shadow memory of sanitizers needs terabytes
   if (limits.memory_max > 0) {
     const rlimit memory = {limits.memory_max, limits.memory_max};
     ::prlimit(pid, RLIMIT_DATA, &memory, nullptr);
@@ -62,7 +62,7 @@ bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string
 ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* limits) {
   MULTUM_CHECK(!arguments.empty());
   int pipe_ends[2];
-  // O_CLOEXEC: otherwise a child that another thread starts meanwhile would hold the pipe open.
+  // Without O_CLOEXEC, a child that another thread starts at this time would hold the pipe open.
   if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "cannot create a pipe for its output");
   const Stopwatch stopwatch;
   pid_t pid = 0;

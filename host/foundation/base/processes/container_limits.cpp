@@ -77,7 +77,7 @@ std::vector<GroupMount> read_mounts(const std::string& root) {
     if (!(words >> type >> source >> options) || (type != "cgroup" && type != "cgroup2")) continue;
     found.push_back({type == "cgroup2" ? "" : options, without_escapes(top), root + without_escapes(folder)});
   }
-  // The usual place of groups: a container may see files that were put there for it.
+  // The usual place of groups. A container can see files that were put there for it.
   found.push_back({"", "/", root + "/sys/fs/cgroup"});
   return found;
 }
@@ -129,7 +129,7 @@ void read_version_2(const std::string& folder, ContainerLimits& limits) {
 void read_version_1(const std::string& folder, const std::string& controllers, ContainerLimits& limits) {
   if (has_controller(controllers, "memory")) {
     lower_memory(limits, number_in(folder + "/memory.limit_in_bytes"));
-    std::ifstream in(folder + "/memory.stat");  // includes limits of groups above that a container does not see
+    std::ifstream in(folder + "/memory.stat");  // includes limits of parent groups that a container does not see
     for (std::string name; in >> name;)
       if (name == "hierarchical_memory_limit") lower_memory(limits, read_number(in));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a signal has asked this program to end (make_progress() in host/foundation/base/progress.h installs the
+// Tells whether a signal has told this program to stop (make_progress() in host/foundation/base/progress.h installs the
 // handlers).
 #pragma once
 

@@ -10,7 +10,7 @@ namespace multum {
 
 struct ContainerLimits;
 
-/// The file of the running program, without links; "" if the system does not tell.
+/// The file of the running program, without links; "" if the system does not report it.
 std::string own_program();
 /// The folder of own_program(), which also holds the other programs of the same build.
 std::string own_folder();
@@ -24,16 +24,16 @@ std::uint64_t machine_memory_bytes();
 /// affinity, which a container's cpuset limits too), or a container's lower quota of processor time, rounded up.
 /// Determined at the first call.
 int processor_count();
-/// Like processor_count(), determined anew under these limits of a container.
+/// Like processor_count(), computed again with these limits of a container.
 int processor_count(const ContainerLimits& limits);
 
 /// Asks the system for large pages before many megabytes of memory are first touched. Pages of 2 MB, if the system
-/// grants them on demand, cause 512 times fewer page faults. A hint only.
+/// grants them on demand, cause 512 times fewer page faults. This is only a hint to the system.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 /// Keeps freed blocks of up to 32 MB for later allocations, up to 64 MB in all. Otherwise the C library would return
-/// each block to the system, which clears the pages of the next block. That would take 4 % of a bake in bands, which
-/// allocates and frees blocks often. For main().
+/// each block to the system, which clears the pages of the next block. This would take 4 % of the time of a bake in
+/// bands, which allocates and frees blocks often. Call it from main().
 void keep_freed_memory();
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Admits threads while the memory that they hold together fits.
+// Lets threads continue while the memory that they hold together fits.
 #pragma once
 
 #include <condition_variable>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares work between threads: bands of an image's rows, or numbered items. A result must depend only on its rows or
-// its number; the caller combines results in order, so that every thread count gives the same bytes.
+// Shares work between threads: bands of an image's rows, or numbered items. A result must depend only on the rows or
+// the number of its item; the caller combines results in order, so that every thread count gives the same bytes.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,7 @@ void for_each_item(int item_count, int threads, const Body& body) {
 
 inline int row_band_count(int row_count, int rows_per_band) { return (row_count + rows_per_band - 1) / rows_per_band; }
 
-/// Rows per band if all texels take the same work: few enough to share out, enough to be worth a hand-over.
+/// Rows per band if all texels need the same work: few enough to distribute, but enough to justify the handover.
 constexpr int kRowsPerBand = 16;
 
 }  // namespace multum

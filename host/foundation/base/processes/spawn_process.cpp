@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Uses vfork(): posix_spawn() cannot tie a child's life to its parent. Between vfork() and exec the child shares this
-// process's memory, so it only makes system calls; their arguments are prepared before.
+// process's memory, so the child only makes system calls, whose arguments are prepared before.
 #include "host/foundation/base/processes/spawn_process.h"
 
 #include <fcntl.h>
@@ -56,7 +56,7 @@ void arrange_files(ChildStart& start) {
   ::closefrom(last + 1);
 }
 
-// Called with all signals blocked: the handlers belong to this process.
+// Called while all signals are blocked, because the handlers belong to this process.
 void arrange_signals(const ChildStart& start) {
   for (int signal = 1; signal < NSIG; ++signal) {
     struct sigaction now {};
@@ -75,7 +75,7 @@ void arrange_signals(const ChildStart& start) {
 [[noreturn]] void become_program(ChildStart& start) {
   if (start.settings.ends_with_thread) {
     check_call(start, ::prctl(PR_SET_PDEATHSIG, SIGKILL));
-    if (::getppid() != start.starter) ::_exit(127);  // the starter has ended already
+    if (::getppid() != start.starter) ::_exit(127);  // the process that started the child has already ended
   }
   if (start.settings.has_own_group) check_call(start, ::setpgid(0, 0));
   arrange_files(start);

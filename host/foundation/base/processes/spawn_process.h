@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts another program; the caller waits for it and ends it.
+// Starts another program. The caller must wait for the program and end it.
 #pragma once
 
 #include <sys/types.h>
@@ -12,13 +12,14 @@
 namespace multum {
 
 struct SpawnSettings {
-  /// Pairs of a descriptor of this process and its number in the child, applied in this order: no first number may be
-  /// among the second numbers before it. The child has only these and its first three descriptors.
+  /// Pairs of a descriptor of this process and its number in the child, applied in this order: no first number may
+  /// equal a second number of an earlier pair. The child has only these and its first three descriptors.
   std::vector<std::pair<int, int>> files = {};
-  bool has_empty_input = false;  // stdin is /dev/null, not the stdin of this process
-  bool has_own_group = false;    // a terminal's signals do not reach it; a signal to -pid reaches all its children
+  bool has_empty_input = false;  // if true, stdin is /dev/null instead of the stdin of this process
+  bool has_own_group = false;    // terminal signals do not reach the child; a signal to -pid reaches its whole group
   bool is_in_path = false;       // the program is looked up in PATH
-  /// Kills the child when the thread that starts it ends in any way. Not for a thread that hands the child to others.
+  /// Kills the child when the thread that starts it ends in any way. Must not be used by a thread that passes the child
+  /// to other threads.
   bool ends_with_thread = false;
   /// Signals that are blocked in the child; all others are unblocked and have their default action. nullopt: signals
   /// are inherited, except that SIGXFSZ, which this process ignores (run_guarded()), has its default action.
