@@ -217,7 +217,7 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
   }
 }
 
-// A user who may write there could make nodes run any command.
+// A user who can write to this folder could make nodes run any command.
 void check_slurm(const SlurmSettings& settings) {
   if (!settings.is_on()) return;
   struct stat found {};

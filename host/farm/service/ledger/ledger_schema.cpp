@@ -19,7 +19,8 @@ constexpr std::int64_t kSchemaVersion = 6;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": identifies ledgers for `file` and others
 
 // States and outcomes are stored as the numbers of their enumerations, which therefore must never be renumbered. Other
-// columns of jobs (job_fields.cpp) are added after these: all ledgers need one order of columns for a rescue.
+// columns of jobs (job_fields.cpp) are added after these columns, because a rescue needs the same order of columns in
+// all ledgers.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE jobs (
   id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
