@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a job as TOML for people to edit. Every key is written, with its meaning at its first use. Numbers have the
+// Writes a job as TOML that users can edit. Every key is written, with its meaning at its first use. Numbers have the
 // fewest digits that give the same number.
 #include <filesystem>
 
