@@ -150,7 +150,7 @@ ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights
     }
     settings.levels.clear();
     double least = std::numeric_limits<double>::max();
-    for (const std::size_t images : candidates.basis_images) {  // stops at the first image count that does not lower the cost
+    for (const std::size_t images : candidates.basis_images) {  // stops when more images do not lower the cost
       settings.basis_images = images;
       const double cost = try_settings();
       if (cost >= least) break;

@@ -158,7 +158,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
   SplitMix64 random(1);
   // Wavelets overlap, so one choice of signs measures their weights only to within a third.
   const std::size_t rounds = probe.is_dct() ? 1 : 4;
-  for (std::size_t kind = 0; kind < rounds * probe.kinds(); kind += 3) {  // probes three kinds at once, as red, green and blue
+  for (std::size_t kind = 0; kind < rounds * probe.kinds(); kind += 3) {  // three kinds at once: red, green, blue
     const std::size_t count = std::min<std::size_t>(3, rounds * probe.kinds() - kind);
     std::vector<float> finest(3 * layout.width * layout.height);
     for (std::size_t c = 0; c < count; ++c) {
@@ -188,7 +188,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers) {
   constexpr float kExponent = 2.0f - 2.0f / 2.2f;
-  constexpr float kRadianceMin = 3e-4f;  // 6 of 255 gamma-coded; for lower values, the slope of the gamma curve is unreliable
+  constexpr float kRadianceMin = 3e-4f;  // 6 of 255 gamma-coded; below it the gamma curve's slope is unreliable
   constexpr float kShareMin = 0.01f;
   std::vector<std::vector<float>> pictures;
   std::vector<float> sum(3 * matrix.row_count());

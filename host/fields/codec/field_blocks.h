@@ -42,7 +42,7 @@ SampleGrid sample_grid(const std::vector<InferredSample>& samples);
 
 struct BlockLimits {
   int side = 8;                 // samples along a varying parameter, at least 1
-  int first = 0;                // length of the first block if the samples of a mapping need several; 0 to side; 0: side
+  int first = 0;                // length of the first of several blocks of a mapping, 0 to side; 0: side
   std::size_t samples_max = 1;  // textures of a block, at least 1
 };
 

@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
-constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // limit of the numbers in matrices: enough for 100,000 samples of ten objects
+constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // numbers in matrices for 100,000 samples of ten objects
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }

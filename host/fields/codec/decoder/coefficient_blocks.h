@@ -31,7 +31,7 @@ class CoefficientBlocks {
     if (begins_[plane].empty()) begins_[plane].assign(block_count_, -1);
     auto& begin = begins_[plane][number];
     if (begin < 0) {
-      begin = static_cast<std::int32_t>(values_.size());  // fits, because an image has at most 2^28 texels and three planes
+      begin = static_cast<std::int32_t>(values_.size());  // fits: an image has at most 2^28 texels and three planes
       values_.resize(values_.size() + block_values_);
     }
     return {values_.data() + begin, block_values_};
