@@ -17,7 +17,7 @@ struct ChosenForm {
   bool has_lobes = false, has_lobe_colours = false;
   // Relative L1 errors in percent, by view; empty if no pictures were drawn.
   std::vector<FormView> views;
-  std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; for 4 evaluations "points_4", "lobes_4"; for
+  std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; of 4 evaluations "points_4", "lobes_4"; in
                                             // colour "mean_colour_4", "lobe_colours_4"
   bool is_on_sphere = false;                // drawn on a sphere because no mesh could be drawn
 

@@ -13,7 +13,7 @@ import { ggxLobeTable } from "./multum_lobes.js";
 
 const SIDE_MAX = 16384, LOBES_MAX = 8;
 const BYTES_OF_TEXEL = { [VK_FORMAT_R8G8B8A8_UNORM]: 4, [VK_FORMAT_R16G16B16A16_SFLOAT]: 8 };
-// docs/reference/lobe_textures.md allows clamping in place of a black border.
+// docs/reference/lobe_textures.md allows clamping instead of a black border.
 const WRAPPING = { periodic: RepeatWrapping, clamp: ClampToEdgeWrapping, mirror: MirroredRepeatWrapping,
   black: ClampToEdgeWrapping };
 
@@ -192,7 +192,7 @@ function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
 export class LobeLoader extends Loader {
   constructor(manager) {
     super(manager);
-    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: this draws everywhere and takes twice the bytes
+    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: works everywhere and takes twice the bytes
   }
 
   detectSupport(renderer) {
