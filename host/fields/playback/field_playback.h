@@ -145,7 +145,7 @@ class FieldPlayback {
   struct Image {
     ImageState state = ImageState::kAwaited;
     DecodedImage decoded;
-    std::size_t bytes = 0, work_bytes = 0;  // counted bytes: those that are kept, and those needed only until it is decoded
+    std::size_t bytes = 0, work_bytes = 0;  // counted bytes: of the result, and needed only while decoding
     Rank rank;
   };
   struct Job {
