@@ -79,7 +79,7 @@ json description_json(const FieldDescription& description) {
 std::string inflated(std::span<const std::uint8_t> bytes) {
   ByteReader reader(bytes);
   const std::uint64_t length = reader.number(kTextBytesMax);
-  if (reader.failed()) refuse_description("does not give its length");
+  if (reader.failed()) refuse_description("does not state its length");
   std::string text(length, '\0');
   auto written = static_cast<uLongf>(length);
   const auto packed = bytes.subspan(reader.position());

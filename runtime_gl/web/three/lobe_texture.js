@@ -108,7 +108,7 @@ function factsOf(container, refuse) {
   const isLobe = (one) => Array.isArray(one?.columns) && one.columns.length === 4 && one.columns.every(isVector) &&
     isVector(one.offset);
   if (!Array.isArray(facts.lobes) || !isWhole(facts.lobes.length, 1, LOBES_MAX) || !facts.lobes.every(isLobe))
-    refuse("lobes without their four columns and an offset", `1 to ${LOBES_MAX} with them`);
+    refuse("lobes without four columns and an offset each", `1 to ${LOBES_MAX} with them`);
   checkSides(container, facts, refuse);
   const { pixelWidth, pixelHeight, layerCount, vkFormat } = container;
   const found = `${pixelWidth} x ${pixelHeight} texels in ${layerCount} layers`;
@@ -240,7 +240,7 @@ export class LobeLoader extends Loader {
     const facts = factsFrom(container, refuse);
     const levels = await levelsOf(container, refuse).catch((error) => {
       if (error.message.startsWith(name)) throw error;
-      refuse(`levels that cannot be decompressed (${error.message})`, "them as the export wrote them");
+      refuse(`levels that cannot be decompressed (${error.message})`, "the levels that the export wrote");
     });
     const isBc5 = container.vkFormat === VK_FORMAT_BC5_UNORM_BLOCK;
     // WebGL supports block compression only for sides that are multiples of the block size.

@@ -248,7 +248,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     const fs::directory_entry file(path, error);
     const bool is_there = file.exists(error);
     if (is_there && (is_used(path) || age_of(file) < sweep.upload_age)) continue;
-    if (is_there) remove_own(path, "an upload that no job needs any more");
+    if (is_there) remove_own(path, "an upload that no job needs");
     const std::string folder = fs::path(path).parent_path().string();
     if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // fails if it holds another result
     queue.files().forget_upload(path);

@@ -602,7 +602,7 @@ void Dispatcher::drain(std::function<void()> done) {
   drain_timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     for (const std::int64_t id : pool_.running())
-      stop_job(id, "returned to the queue by a daemon that was asked to end", AttemptOutcome::kReturned);
+      stop_job(id, "returned to the queue by a daemon that was told to stop", AttemptOutcome::kReturned);
   });
   changed({});
 }

@@ -111,7 +111,7 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> submit(HttpRequest request) {
-    if (dispatcher.is_draining()) throw Refusal{503, "ending", "the service is about to end", {{"Retry-After", "10"}}};
+    if (dispatcher.is_draining()) throw Refusal{503, "ending", "the service is about to stop", {{"Retry-After", "10"}}};
     SubmitRequest asked = parse_submit(parse_body(request), roots, dispatcher.limits(), wall_clock_ms());
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);

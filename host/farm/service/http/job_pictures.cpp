@@ -298,7 +298,7 @@ void JobPictures::run(const Request& request, const std::string& folder) {
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
   limits.is_cancelled = [this] { return is_ending_.load(); };
   const ChildResult result = run_child(words, limits);
-  if (is_ending_) refuse("the service is about to end");
+  if (is_ending_) refuse("the service is about to stop");
   std::string said = result.output + end_of(result, view.program.empty() ? "multum " + view.words[0] : view.program);
   const auto is_first_map = [&](const std::string& word) { return word.starts_with(view.maps.front().second + "="); };
   const bool has_input = view.maps.empty() || std::any_of(words.begin(), words.end(), is_first_map);

@@ -155,9 +155,8 @@ void bind_column(SqliteStatement& insert, int number, const JobField&, Number va
 }  // namespace
 
 const char* lost_ledger_advice() {
-  return "put the ledger back; or copy the readable jobs of a damaged one by 'multum serve --rescue'; or begin a new "
-         "one "
-         "by 'multum serve --new-ledger'; see docs/reference/service.md";
+  return "put the ledger back, copy the readable jobs of a damaged ledger with 'multum serve --rescue', or begin a new "
+         "ledger with 'multum serve --new-ledger'; see docs/reference/service.md";
 }
 
 void prepare_ledger(SqliteDatabase& database, bool may_begin) {

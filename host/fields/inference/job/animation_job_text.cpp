@@ -60,7 +60,7 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       "height = {}\n"
       "cryptomatte = {}  # prefix of the Cryptomatte channels\n"
       "depth = {}  # channel with the distance along -z of camera space at the pixel centre; empty: no depth\n"
-      "depth_tolerance = {}  # largest relative difference of depths; other cameras are refused\n"
+      "depth_tolerance = {}  # largest relative difference of depths; a camera with a larger one is an error\n"
       "supersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\n"
       "radiance_max = {}  # brighter values are clipped to this value and counted\n"
       "coverage_min = {}  # pixels with less coverage by an object are left out\n",
