@@ -2,22 +2,22 @@
 // Encodes blocks of 4 x 4 texels as BC4 and BC7 (Khronos Data Format Specification 1.3, chapters 18 and 20). Searches
 // for the codes with the least sum of squared differences. BC5 is two blocks of BC4.
 //
-// BC4: two ends of 8 bits, and one index of 3 bits per texel. An index selects one of eight values from end to end, or
-// one of six such values and 0 and 1. From the best of several starts, the ends climb by ever smaller steps until no
-// neighbour has a lower error.
-// BC7: every block chooses its mode. Mode 6, one line through the colours with 16 steps, is tried first. The search
-// stops there if its error is no higher than that of rounding to 8 bits. Otherwise a separate channel (modes 4 and 5,
-// by rotation) and two lines (mode 1) are tried too. A line starts along the texels' principal axis and is fitted to
-// its indices by least squares; then the codes of the best line climb one by one. Modes with three lines are not used.
-// Alpha is 255. If the third channel is stored as alpha, blue is 255 and modes 4, 5 and 6 swap the two.
+// BC4 stores two endpoints of 8 bits, and one index of 3 bits per texel. An index selects one of eight values between
+// the endpoints, or one of six such values, 0 or 1. From the best of several starts, the endpoints move by ever smaller
+// steps until no neighbouring pair has a lower error. BC7: every block chooses its mode. Mode 6 is tried first: one
+// line through the colours with 16 steps. The search stops there if its error is no higher than that of rounding to 8
+// bits. Otherwise a separate channel (modes 4 and 5, by rotation) and two lines (mode 1) are tried too. A line starts
+// along the texels' principal axis and is fitted to its indices by least squares; then the codes of the best line are
+// improved one by one. Modes with three lines are not used. Alpha is 255. If the third channel is stored as alpha, blue
+// is 255 and modes 4, 5 and 6 swap the two.
 //
-// Values range from 0 to 255 and are not rounded. A block's texels are the lanes of a vector, on any device.
+// Values range from 0 to 255 and are not rounded. On every device, the texels of a block are the lanes of a vector.
 
 #include "device/numerics.clh"
 #include "shared/block_encoding.h"
 
 #ifdef __clang__
-#pragma clang diagnostic ignored "-Wpsabi"  // passing wide vectors: all functions here are inlined
+#pragma clang diagnostic ignored "-Wpsabi"  // wide vectors as arguments are safe: all functions here are inlined
 #endif
 
 // The mean sum of squared differences from rounding the 48 values of a block to 8 bits: 48 / 12.
@@ -37,7 +37,7 @@ static inline float least_of(float16 v) {
 
 static inline float most_of(float16 v) { return -least_of(-v); }
 
-// Bits of a block, from the lowest bit of the first word upwards.
+// The bits of a block, starting at the lowest bit of the first word.
 typedef struct BlockBits {
   uint words[4];
   int at;
@@ -52,7 +52,8 @@ static inline void put_bits(BlockBits* bits, uint value, int count) {
 
 // ------------------------------------------------------------------------------------------------------------ BC4
 
-// Two ends, whole numbers from 0 to 255, low <= high. `has_limits`: six values from end to end, plus 0 and 255.
+// Two endpoints, whole numbers from 0 to 255, low <= high. `has_limits`: there are six values between them, plus 0 and
+// 255.
 typedef struct ScalarEnds {
   float low, high, error;
 } ScalarEnds;
@@ -75,7 +76,8 @@ static inline float scalar_error(float16 v, float low, float high, int has_limit
 static inline void try_ends(float16 v, float low, float high, int has_limits, ScalarEnds* best) {
   low = clamp(rint(low), 0.0f, 255.0f);
   high = clamp(rint(high), 0.0f, 255.0f);
-  // The decoder tells eight values from six by the order of the ends, so eight values need two different ends.
+  // The order of the endpoints tells the decoder whether there are eight or six values, so eight values need two
+  // different endpoints.
   if (low > high || (low == high && !has_limits)) return;
   const float error = scalar_error(v, low, high, has_limits);
   if (error < best->error) {
@@ -98,7 +100,7 @@ static inline void fit_ends(float16 v, float16 weight, float* low, float* high, 
   *high = *low + slope;
 }
 
-// Moves either end, or both, by `step` as long as the error falls.
+// Moves one endpoint, or both, by `step` as long as the error falls.
 static inline void climb(float16 v, float step, int has_limits, ScalarEnds* best) {
   for (int turn = 0; turn < 32; ++turn) {
     const ScalarEnds from = *best;
@@ -174,8 +176,8 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
 
 // ------------------------------------------------------------------------------------------------------------ BC7
 
-// A block's texels: the address of their channels' values, a mask with one bit per texel that counts, and the channel
-// that is 255 instead (-1: none). Values are read again at each use, which leaves registers for the rest.
+// The texels of a block: the address of their channel values, a mask of the texels that count (one bit each), and the
+// channel that is replaced by 255 (-1: none). Values are read again at each use, which leaves registers for other data.
 typedef struct Colours {
   __global const float* values;
   uint mask;
@@ -197,14 +199,14 @@ typedef struct EndPrecision {
   int bits, has_p;
 } EndPrecision;
 
-// A line: codes of both ends per channel, without the p bits, and the error with these codes.
+// A line: the codes of both endpoints per channel, without the p bits, and the error that these codes give.
 typedef struct CodedLine {
   int codes[2][3];
   int p[2];
   float error;
 } CodedLine;
 
-// Expands a code to 8 bits: its own bits, followed by its highest bits again.
+// Expands a code to 8 bits: its own bits, followed by a copy of its highest bits.
 static inline float decoded(int code, int p, EndPrecision precision) {
   const int total = precision.bits + precision.has_p, value = precision.has_p ? code << 1 | p : code;
   return (float)(value << (8 - total) | value >> (2 * total - 8));
@@ -365,7 +367,7 @@ static inline CodedLine climbed_line(Colours c, EndPrecision precision, float la
   for (int turn = 0; turn < 3; ++turn) {
     const float before = best.error;
     for (int move = 0; move < 24; ++move) {
-      const int channel = move % 3, kind = move / 3;  // kind: which ends go up or down
+      const int channel = move % 3, kind = move / 3;  // kind: which endpoints move up or down
       tried = best;
       tried.codes[0][channel] = clamp(best.codes[0][channel] + kFirstMoves[kind], 0, (1 << precision.bits) - 1);
       tried.codes[1][channel] = clamp(best.codes[1][channel] + kSecondMoves[kind], 0, (1 << precision.bits) - 1);
@@ -377,7 +379,7 @@ static inline CodedLine climbed_line(Colours c, EndPrecision precision, float la
   return best;
 }
 
-// A separate channel: codes of both ends, and the error with these codes.
+// A separate channel: the codes of both endpoints, and the error that these codes give.
 typedef struct CodedScalar {
   int codes[2];
   float error;
@@ -513,7 +515,7 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
       put_bits(&bits, (uint)fit.line.codes[end][source], m.colour_bits);
     }
   for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)fit.scalar.codes[end], m.scalar_bits);
-  // Indices of 2 bits come first; in mode 5, where both have 2 bits, the colours' indices come first.
+  // Indices of 2 bits come first. In mode 5, all indices have 2 bits, and those of the colours come first.
   const int scalar_first = m.colour_last == 7;
   put_indices(&bits, scalar_first ? scalar : colour, 2, -1);
   put_indices(&bits, scalar_first ? colour : scalar, m.mode == 4 ? 3 : 2, -1);
@@ -628,7 +630,7 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
 }
 
 // Returns the error that mode 6 cannot avoid: its p is 1, so it stores 0 as 1. A channel that is 0 everywhere, such as
-// metalness, is not a reason to search on.
+// metalness, is not a reason to continue the search.
 static inline float unreachable_error(Colours c) {
   float error = 0.0f;
   for (int channel = 0; channel < 3; ++channel) error += most_of(channel_of(c, channel)) == 0.0f ? 16.0f : 0.0f;
@@ -638,9 +640,9 @@ static inline float unreachable_error(Colours c) {
 // One work-item = one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
-// third_is_alpha: the third channel is alpha, and blue is 255. This is an argument and not a second kernel: the
-// compiler does not inline functions that two kernels call. BC7 then takes 1.5 times as long (PoCL 3.1, AVX2).
-// Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200 times.
+// third_is_alpha: the third channel is alpha, and blue is 255. This is an argument and not a second kernel, because the
+// compiler does not inline functions that two kernels call. Without inlining, BC7 takes 1.5 times as long (PoCL 3.1,
+// AVX2). Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200 times.
 __kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count,
                                    int third_is_alpha) {
   const int item = (int)get_global_id(0);
@@ -672,7 +674,7 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
         lines[1] = one;
       }
     }
-    // Only the candidate with the lower error before the climb is climbed.
+    // Only the candidate with the lower error is improved further.
     if (fit.line.error + fit.scalar.error < lines[0].error + lines[1].error) {
       const SeparateMode mode = kSeparateModes[choice];
       const EndPrecision precision = {mode.colour_bits, 0};

@@ -3,8 +3,8 @@
 // scalars. Each work-item sums one fixed range, and the host adds these parts in double precision, so the result does
 // not depend on the number of threads.
 //
-// All kernels are memory bound. An iteration therefore passes over its vectors only three times: once for alpha, once
-// for beta, and once for the update that needs both. The preconditioned residual is computed twice instead of stored.
+// All kernels are memory bound. An iteration therefore passes over its vectors only three times: to compute alpha, to
+// compute beta, and for the update that needs both. The preconditioned residual is computed twice instead of stored.
 
 // The range of texels that a work-item sums over.
 int part_begin(int texel_count, int part, int part_count) { return (int)(((long)texel_count * part) / part_count); }

@@ -85,7 +85,7 @@ __kernel void dct_columns(__global const float* half_way, __global const float* 
   for (int u = 0; u < side; ++u) out[u] = sums[u];
 }
 
-// Maps an index to a line of n >= 2 samples that is mirrored repeatedly at its outermost samples.
+// Maps an index to a sample of a line of n >= 2 samples, which is mirrored repeatedly at its outermost samples.
 static int mirrored(int i, int n) {
   const int period = 2 * (n - 1);
   i = i % period;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) at once, as the map streams by in bands
+// Computes all levels of box-filtered mip pyramids (Williams 1983, section 3) at once, while the map is read in bands
 // of rows. The planes hold colours, moments, heights or radiance.
 //
 // A texel of a level averages exactly the finest texels that it covers (docs/contributing/ALGORITHMS.md, "Notation"),
@@ -8,9 +8,9 @@
 //     along a row      a column covers blocks of 2^k texels and fractions at its ends (row_blocks.h): a few nodes
 //     down the rows    whole rows weigh 1, a row between two texels is split between them; a compensated sum
 //
-// So no level depends on another or on the height of bands. For powers of two, the only operations are additions and
-// one multiplication by a power of two. Sums may begin in one band and end in another; no other data is kept between
-// bands. A texel covers nothing beyond the map's borders, so averages are the same for every wrap mode.
+// So no level depends on another level or on the height of the bands. For powers of two, the only operations are
+// additions and one multiplication by a power of two. Sums may begin in one band and end in another; no other data is
+// kept between bands. A texel covers nothing beyond the map's borders, so averages are the same for every wrap mode.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals of a coarse texel: sorts them into the cells of a grid over directions. Each cell becomes one sample
-// of EM, with the number of its normals as weight and their mean vector as normal. Cells are much smaller than lobes,
-// so EM gives the same result with some thousand cells as with all normals. First moments stay exact
-// (docs/contributing/ALGORITHMS.md, "Binned normals").
+// Bins the normals of a coarse texel: sorts them into the cells of a grid over directions. Each cell becomes one EM
+// sample, whose weight is the number of the cell's normals and whose normal is their mean vector. Cells are much
+// smaller than lobes, so EM gives the same result with some thousand cells as with all normals. First moments stay
+// exact (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
 // Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells: three quarters of it follow the density of normals and one quarter their extent. So a few steep edges do not
-// coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
+// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. So a few
+// steep edges do not coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
 //
 // Normals that a BRDF's width has shortened (MovmfFit::shortened) are also sorted by direction, in a separate grid for
-// each class of lengths. So lobes can distinguish sharp and wide BRDFs under one texel. Classes end at kappa 1250, 133
-// and 22, which are perceptual roughnesses of 0.2, 0.35 and 0.55. So the kappas of a class differ by a factor of 9 at
-// most, except in the sharpest class, whose widths are hardly visible.
+// each class of lengths. So lobes can distinguish sharp and wide BRDFs under one texel. The classes are separated at
+// kappa 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. So the kappas of a class
+// differ by a factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
-// The map streams by in bands of rows. Sums are whole numbers of 2^-30, so they do not depend on the order of bands,
-// chunks or threads. Thousands of nearly equal normals lose no differences to rounding. 2^28 normals add up to 2^58 at
-// most. A launch handles the texels of one row of a level. This file has only a scalar variant.
+// The map is read in bands of rows. Sums are integers in units of 2^-30, so they do not depend on the order of bands,
+// chunks or threads. Thousands of nearly equal normals lose no differences to rounding. 2^28 normals add up to 2^58
+// at most. A launch handles the texels of one row of a level. This file has only a scalar variant.
 // movmf_binning_team.cl has variants for devices with atomic additions and teams of work-items; they write the same
 // bytes.
 
@@ -23,8 +23,8 @@
 
 #define CELL_BLOCK 64
 
-// Returns a random place in part `index` of `count` parts of a range of `size`. Random places do not fall in step with
-// a pattern of the map.
+// Returns a random place in part `index` of `count` parts of a range of `size`. Random places do not coincide with a
+// regular pattern of the map.
 static int place_in_part(int index, int count, int size, uint seed) {
   const int first = (int)((long)index * size / count), last = (int)((long)(index + 1) * size / count);
   uint state = seed * 1664525u + 1013904223u;
@@ -96,8 +96,8 @@ __kernel void movmf_bin_axes(__global const float* probes, __global float* axes,
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
-// `are_normals`: for Gaussians over (x, y) the third sum is then E[x^2 + y^2], which the cell's x and y cannot give.
-// Bound by the latency of scattered adds.
+// `are_normals`: the third sum of Gaussians over (x, y) is then E[x^2 + y^2], which cannot be computed from the cell's
+// mean x and y. Bound by the latency of scattered adds.
 __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
                               __global const float* restrict normal_z, __global const float* restrict value_x,
                               __global const float* restrict value_y, __global const float* restrict value_z,
@@ -121,7 +121,7 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
 #endif
     for (int block = first_column; block < last_column; block += CELL_BLOCK) {
       const int count = min(CELL_BLOCK, last_column - block);
-      // Finds the cells of a block first, all at once, and then adds to their sums one after another.
+      // Finds all cells of a block first, and then adds to their sums one after another.
       int cells_of[CELL_BLOCK];
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits level 1 of maps with even sides, in place of EM. A texel covers four normals, and each normal is given whole to
-// one of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. Their width is
-// measured separately and mixed with the surrounding lobes, as texture filters mix them
+// Fits level 1 of maps with even sides, instead of EM. A texel covers four normals, and each normal is given whole to
+// one of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. The width of a lobe is
+// measured twice: alone, and mixed with the surrounding lobes as texture filters mix them
 // (docs/contributing/ALGORITHMS.md, "Level 1").
 //
 // With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times their root
@@ -10,13 +10,13 @@
 //   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
 //
 // where e, half the inverse of the cap of kappa, is too small a width for any highlight to show. T_j is the mean of
-// lobe j of the parents, weighted as a filter between levels weights them, and of the neighbours that are done.
-// c q - |m|^2 is additive over pairs of normals, and over S_j and T_j; it is computed from pairs. If rounding makes it
-// negative, it is still far smaller than e.
+// lobe j over the parents and over the neighbours that are done; the parents are weighted as by a filter between
+// levels. c q - |m|^2 is additive over pairs of normals, and over S_j and T_j; it is computed from pairs. If rounding
+// makes it negative, it is still far smaller than e.
 //
-// The least cost is found one lobe after another. The least cost of giving the normals S to the first j lobes is the
-// minimum over the subsets A of S: the least cost of S without A for the first j - 1 lobes, plus the cost of A for lobe
-// j.
+// The assignment of least cost is found one lobe after another. The least cost of giving the normals S to the first j
+// lobes is a minimum over the subsets A of S: A goes to lobe j, and the remaining normals go to the first j - 1 lobes
+// at their least cost.
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"
@@ -29,7 +29,7 @@
 #define SUBSETS (1 << NORMALS)
 #define PARENTS 4
 
-// popcount() of the four bits; not every compiler's library has popcount().
+// Counts the four bits, because not every compiler's library has popcount().
 static int normals_in(int set) { return (set & 1) + ((set >> 1) & 1) + ((set >> 2) & 1) + ((set >> 3) & 1); }
 
 // Returns the window index of the first finest texel that a texel covers in its first row, or (`below`) second row.
@@ -147,7 +147,7 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
   }
 }
 
-// Spreads a set's four bits to four nibbles, which hold the lobe of each normal.
+// Spreads the four bits of a set to four nibbles, one per normal, which hold the normal's lobe.
 static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6 | (set & 8) << 9; }
 
 // One work-item = MULTUM_VECTOR_WIDTH slots; global size slot_count / MULTUM_VECTOR_WIDTH.

@@ -102,7 +102,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
       real_v next_x, next_y, next_z, next_sharpness = sharpness[j], next_log;
       M_STEP(m, prior_x, prior_y, prior_z, cap, fit.extra_copies, next_x, next_y, next_z, next_sharpness, next_log)
-      // The turn in units of the lobe's width, and the relative changes of kappa and of the weight, all squared.
+      // The squares of three changes: the turn in units of the lobe's width, and the relative changes of kappa and of
+      // the weight.
       const real_v dx = next_x - mu_x[j], dy = next_y - mu_y[j], dz = next_z - mu_z[j];
       const real_v turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;
       const real_v dl = next_log - log_weight[j], dk = 1.0f - sharpness[j] / next_sharpness;
@@ -140,8 +141,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 //   member    0 1 2 ... 63                      E-step: responsibilities and gaps of its sample, to local memory
 //   member    S0 X0 Y0 Z0 D0 S1 X1 ...          sums: member 5 j + k adds sum k of lobe j
 //
-// Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the sums' chain of
-// additions: four clocks per sample, compared with some hundred for a single work-item.
+// Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the chain of additions in
+// each sum: four clocks per sample, compared with some hundred for a single work-item.
 #define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes in different banks
 
 // Returns the factors that sum k of lobe j multiplies responsibilities by, for member 5 j + k: 1, x, y, z or the gap u.
@@ -226,7 +227,8 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
     }
     if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, fit.total_weight_inverse, fit.kappa_cap, fit.kappa_cap_slope)
     if (iteration < last && member < MULTUM_LOBES) {
-      // Each of the first members has one lobe. It is read from local memory, because registers cannot be indexed.
+      // Each of the first members handles one lobe. The lobe is read from local memory, because registers cannot be
+      // indexed.
       __local float* own = lobe_state + member * 5;
       __local const float* added = sums + member * 5;
       const float old_x = own[0], old_y = own[1], old_z = own[2], old_sharpness = own[3], old_log = own[4];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes per-lobe colours, weights of basis BRDFs and other linear material features: a_j y_j = sum_i z_ij y_i / N.
-// The responsibilities are those of the E-step that gave the stored amplitudes, so the sum over lobes is exactly the
+// The responsibilities come from the E-step that gave the stored amplitudes, so the sum over lobes is exactly the
 // texel's mean (Han et al. 2007, section 7.3). Handles three channels at a time: a colour, or three of the weights.
 
 #include "device/level_window.clh"
@@ -103,8 +103,8 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
 }
 
 // Computes the features of binned texels. One work-item = one slot.
-//   samples, value_samples [group][sample][4][MULTUM_GROUP]  normals and features, with the same cells in one order
-//   sample_counts [group];  start and features as above
+//   samples, value_samples [group][sample][4][MULTUM_GROUP] normals and features, whose cells have the same order
+//   sample_counts [group]; start and features as above
 __kernel void movmf_feature_binned(__global const float* samples, __global const float* value_samples,
                                    __global const int* sample_counts, __global const float* start,
                                    __global const int* texel_list, __global float* features, MultumMovmfFit fit,

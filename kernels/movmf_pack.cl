@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs the samples of 16 texels next to each other before a launch of EM, from the map or from binned normals. The
+// Packs the samples of 16 texels next to each other before an EM launch, from the map or from binned normals. The
 // kernels do not depend on the number of lobes. This file has only a scalar variant.
 
 #include "device/level_window.clh"
@@ -18,7 +18,8 @@
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
 //   sample_counts [group]
-// Samples without a finest texel (in narrower texels and unused slots) repeat one and weigh 0. Memory bound.
+// Samples without a finest texel (in narrower texels and unused slots) repeat another sample with weight 0. Memory
+// bound.
 __kernel void movmf_pack(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const int* texel_list, __global float* samples, __global int* sample_counts,
                          MultumMovmfFit fit) {

@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines the lobes that EM found, so that highlights look right: fits them by least squares to the texel's normals
+// Refines the lobes that EM found, to lower the error of highlights: fits them by least squares to the texel's normals
 // blurred by highlights.
 //
 //   minimise  sum_s w_s integral (sum_j a_j gamma_js(h) - 1/N sum_i f_s(h . n_i))^2 dh,   f_s = Blinn-Phong of s
 //
-// This is the energy at the texel's centre. A weighted term keeps the mean normal. A picture also shows places between
-// centres, so four more terms are added, one for each adjacent texel: both texels' lobes, pooled as the hardware pools
-// them, must show the mean of both texels' EM lobes. A texel reads EM's lobes of its neighbours and never the output of
-// this kernel, so texels are independent of one another.
+// This is the energy at the texel's centre. A weighted term keeps the mean normal. Pictures also show places between
+// centres, so one more term is added for each of the four adjacent texels: the lobes of both texels, pooled as the
+// hardware pools them, should equal the mean of the EM lobes of both texels. A texel reads EM's lobes of its neighbours
+// and never the output of this kernel, so texels are independent of one another.
 //
-// gamma_js is lobe j convolved with f_s. Inner products need no directions h. Lobe times sample is the lobe convolved
-// with f_s twice, at the sample. Since mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md,
-// "Shading a filtered lobe"), it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. This
-// refinement is ours; neither paper fits lobes to highlights.
+// gamma_js is lobe j convolved with f_s. Inner products need no directions h. The product of a lobe and a sample is the
+// lobe, convolved with f_s twice, at the sample. Mean cosines multiply under convolution
+// (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"), so this product is the vMF with A = |r_j| c_s^2. The
+// product of two lobes has A = |r_j| |r_k| c_s^2. This refinement is not from a paper; neither paper fits lobes to
+// highlights.
 //
 // A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe. A step that does not lower
-// the energy is undone, and a quarter of it is tried. Only in the matrix, 1/kappa replaces the sum of the spreads,
-// which it equals for sharp lobes: this affects the steps but adds no bias.
+// the energy is undone, and a quarter of it is tried. In the matrix only, 1/kappa replaces the sum of the spreads; both
+// are equal for sharp lobes. This affects the steps but adds no bias.
 //
-// Squares give most weight to directions with many normals and little to dim ones. So the texel's highlights are
-// compared at the end: if EM's lobes have a clearly lower relative L1 error over some half vectors, they are kept.
+// Squared errors give most weight to directions with many normals and little weight to dim ones. So the texel's
+// highlights are compared at the end: EM's lobes are kept if their relative L1 error over some half vectors is clearly
+// lower.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as in movmf_em_texels.cl
@@ -60,7 +62,7 @@ typedef struct RefinedLobe {
   real_v widening;                    // derivative of the spread by the fourth parameter
 } RefinedLobe;
 
-// A vMF of mean cosine A: peak exp(-kappa u), without the common 1/(2 pi), and the terms of its derivatives.
+// A vMF of mean cosine A, `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its derivatives.
 typedef struct Blurred {
   real_v kappa, peak;
   real_v peak_slope;   // d log(peak) / d kappa
@@ -127,7 +129,7 @@ static void load_lobes(__global const MultumVmfLobe* level, const int* texels, s
   }
 }
 
-// Sets the four parameters of lobe j's gradient to the samples' part. Returns the samples' part of the energy.
+// Sets lobe j's four entries of the gradient to the part from the samples. Returns the samples' part of the energy.
 static real_v subtract_samples(const RefinedLobe* lobe, __global const float* samples, int sample_count,
                                float weight_inverse, real_v* gradient) {
   real_v exponent[MULTUM_REFINE_BRDFS], value[MULTUM_REFINE_BRDFS], turn[MULTUM_REFINE_BRDFS];
@@ -174,14 +176,14 @@ static real_v subtract_samples(const RefinedLobe* lobe, __global const float* sa
   return -2.0f * lobe->amplitude * sum;
 }
 
-// Computes the products of the derivatives of two lobes, or of one lobe with itself, as [of one][of the other]. Adds
-// their part of the gradient. Returns their part of the energy.
+// Computes the products of the derivatives of two lobes, or of one lobe with itself, indexed [parameter of
+// one][parameter of the other]. Adds their part of the gradient. Returns their part of the energy.
 static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bool same, real_v* block,
                             real_v* gradient, real_v* gradient_other) {
   const real_v gap =
       same ? (real_v)(0.0f) : MAX_V(gap_of(one->x, one->y, one->z, other->x, other->y, other->z), (real_v)(0.0f));
   const real_v spread = fma(-one->spread, other->spread, one->spread + other->spread);
-  // Sums over the BRDFs of w V and of its derivatives in t = 1 - u, in the spread v = 1/kappa, and in A.
+  // Sums of w V over the BRDFs, and of its derivatives with respect to t = 1 - u, the spread v = 1/kappa, and A.
   real_v value = (real_v)(0.0f), by_t = value, by_tt = value, by_v = value, by_vv = value, by_tv = value, by_a = value;
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
     const float c2 = 1.0f - brdf_spreads[s];
@@ -287,7 +289,7 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
            fma(share_one, one->z, share_other * other->z), amplitude);
   lobe->widening = (real_v)(1.0f);
   const real_v length = 1.0f - lobe->spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
-  // Half of the derivatives of a r divided by the pooled amplitude, minus the effect of a larger amplitude on r.
+  // Half of the derivatives of `a * r`, divided by the pooled amplitude, minus the effect of a larger amplitude on r.
   const real_v turned = 0.5f * one->amplitude * inverse * length_one;
   const real_v shortened = -0.5f * one->amplitude * inverse * one->widening, grown = 0.5f * inverse;
   const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe->x),
@@ -361,8 +363,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Adds the term for the moments, after raising the diagonal: moments in the damping would keep lobes from moving.
-// Returns the energy.
+// Adds the term for the moments. It is added after the diagonal is raised, because damping by moments would keep lobes
+// from moving. Returns the energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];

@@ -26,7 +26,7 @@
 
 #if MULTUM_PLANAR
 #define FACET_KAPPA(exponent) 0.0f
-// Returns the cosine of a highlight over a lobe, as the runtime does: Gaussians use the cosine of their mean.
+// Returns the cosine of a lobe's highlight as the runtime computes it: Gaussians use the cosine of their mean.
 static inline float lit_cosine(float4 lobe, float3 h, float4 light, float facet_kappa) {
   return gmm_lambert(lobe, light.xyz) / max(lobe.w, GMM_AMPLITUDE_MIN);
 }

@@ -2,17 +2,17 @@
 // Fits one GGX lobe to everything that a texel covers, by maximum likelihood. The data are the slopes of facets: over
 // every covered normal, the base's own facets around it.
 //
-// Slopes of GGX's facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter et
+// The slopes of GGX facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter et
 // al. 2007, eq. 33, over the projected facet). This is a bivariate Student t distribution with two degrees of freedom
-// and scale matrix S = alpha^2 / 2. Its maximum likelihood is found as for every t distribution (Lange, Little and
-// Taylor 1989, section 3; here nu = 2 and d = 2):
+// and scale matrix S = alpha^2 / 2. The likelihood is maximised as for every t distribution (Lange, Little and Taylor
+// 1989, section 3; here nu = 2 and d = 2):
 //
 //     w = 4 / (2 + (x - m)' S^-1 (x - m))      m = sum(w x) / sum(w)      S = sum(w (x - m) (x - m)') / sum(w)
 //
-// Dividing by the sum of the weights instead of their number halves the number of steps; the two are equal at
-// convergence (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A distant facet has little
-// weight; in a covariance, which GGX does not have, it would dominate. The fit begins with the closed form: m = 0 in
-// the frame of the mean normal, alpha_i^2 = alpha_0^2 + 1.75 lambda_i, lambda of E[n n'] in its tangent plane. A
+// Dividing by the sum of the weights instead of by their number halves the number of steps; both are equal at
+// convergence (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet with a large slope
+// has little weight. It would dominate a covariance, which GGX does not have. The fit begins with the closed form: m =
+// 0 in the frame of the mean normal, alpha_i^2 = alpha_0^2 + 1.75 lambda_i, lambda of E[n n'] in its tangent plane. A
 // Gaussian would have the factor 2; 1.75 has the least error on real maps.
 
 #include "device/numerics.clh"
@@ -20,8 +20,8 @@
 #include "shared/one_lobe.h"
 
 #define SPREAD_FACTOR 1.75f
-// The least cosine between a facet and the mean normal: limits slopes to 20. The limit has little effect, because w x
-// x' hardly depends on the size of a distant slope x.
+// The least cosine between a facet and the mean normal: limits slopes to 20. The limit has little effect, because
+// `w x x'` hardly depends on the size of a large slope x.
 #define FACET_COSINE_MIN 0.05f
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
@@ -103,15 +103,15 @@ typedef struct SampledTexels {
 } SampledTexels;
 
 // One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane; global size
-// grid * stride / MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat it.
+// grid * stride / MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat the last texel.
 //   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
 //   base       [slot][map_width]         alpha^2 of the same texels, if piece.has_base_map
 //   row_slots  [row_count][grid]         the slot of each row of samples
 //   columns    [width][grid]             the column of each column of samples
 //   facets     [grid * grid]             slopes of facets of alpha 1
 //   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes; only the normals are used
-//   slopes     [texel / block][sample][2][block]   written: of each half vector in the frame of the texel's mean normal
-// Bound by gathered reads, roots and divisions; samples in the same finest texel share its frame.
+//   slopes     [texel / block][sample][2][block]   written: of half vectors, in the frame of the mean normal
+// Bound by gathered reads, roots and divisions. Samples in the same finest texel share the texel's frame.
 __kernel void one_lobe_samples(__global const float* normal_x, __global const float* normal_y,
                                __global const float* normal_z, __global const float* base,
                                __global const int* row_slots, __global const int* columns,
@@ -177,7 +177,7 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   const real_v xx = LOAD_V(averages + MULTUM_ONE_LOBE_XX * stride), yy = LOAD_V(averages + MULTUM_ONE_LOBE_YY * stride);
   const real_v xy = LOAD_V(averages + MULTUM_ONE_LOBE_XY * stride), xz = LOAD_V(averages + MULTUM_ONE_LOBE_XZ * stride);
   const real_v yz = LOAD_V(averages + MULTUM_ONE_LOBE_YZ * stride), zz = MAX_V(1.0f - xx - yy, (real_v)(0.0f));
-  // E[n n'] times the frame's axes, and the products of the results with the axes.
+  // E[n n'] times the axes of the frame, and the scalar products of the results with the axes.
   const real_v ax = fma(xx, f.xx, fma(xy, f.xy, xz * f.xz)), ay = fma(xy, f.xx, fma(yy, f.xy, yz * f.xz));
   const real_v az = fma(xz, f.xx, fma(yz, f.xy, zz * f.xz));
   const real_v by = fma(yy, f.yy, yz * f.yz), bz = fma(yz, f.yy, zz * f.yz);
@@ -265,8 +265,8 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   STORE_V(y, fitted + stride);
   STORE_V(z, fitted + 2 * stride);
 
-  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius. The axis of the larger one is at half the
-  // angle of (half, xy); of the two formulas for it, uses the one that subtracts nothing.
+  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius. The axis of the larger eigenvalue is at
+  // half the angle of (half, xy). There are two formulas for this axis; uses the one without a subtraction.
   const real_v middle = 0.5f * (s.xx + s.yy), half_difference = 0.5f * (s.xx - s.yy);
   const real_v radius = sqrt(fma(half_difference, half_difference, s.xy * s.xy));
   const int_v along_x = half_difference >= 0.0f;

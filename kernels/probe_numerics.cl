@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Probes the arithmetic of a device and driver, for the tests and for users who suspect a driver.
+// Probes the arithmetic of a device and its driver, for tests and for users who suspect the driver of errors.
 
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"
@@ -16,7 +16,7 @@
 #define PROBE_EXP2 0
 #define PROBE_LOG2 1
 #define PROBE_KAPPA 2          // kappa of a mean length, given as spread
-#define PROBE_ISNAN 3          // 1 if isnan() detects a NaN: relaxed mathematics would answer 0
+#define PROBE_ISNAN 3          // 1 if isnan() detects a NaN; 0 under relaxed mathematics
 #define PROBE_LOG_PEAK 4       // log2 peak of amplitude 1, at kappa
 #define PROBE_ONE_MINUS_LOG 5  // log2(1 - e)
 #define PROBE_SHADING_KAPPA 6  // of q = 1 - A

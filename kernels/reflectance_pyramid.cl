@@ -4,9 +4,10 @@
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //
-// runtime_gl/shaders/scene.frag has the same formula. Williams draws lights by hand into a map of 9; here Blinn-Phong
-// computes them. A texel is the mean over sample_side^2 normals, evenly spread over it in the map's equal-area
-// projection (host/formats/asset/pyramid/reflectance_mapping.h), so a highlight narrower than a texel keeps its energy.
+// runtime_gl/shaders/scene.frag has the same formula. Williams paints the lights into the map by hand; here they are
+// computed by Blinn-Phong. A texel is the mean over sample_side^2 normals, evenly spread over it in the map's
+// equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h), so a highlight narrower than a texel keeps
+// its energy.
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_box.h"
@@ -29,7 +30,7 @@ static float3 normal_at(float px, float py) {
 // One work-item = one texel of a band of rows; global size row_count * map_width.
 //   lights [light_count]
 //   nodes  [plane][row][row_length]   written: red, green, blue of the texels
-// Bound by arithmetic: light_count * sample_side^2 evaluations per texel.
+// Compute bound: light_count * sample_side^2 evaluations per texel.
 __kernel void reflectance_texels(__global const MultumReflectanceLight* lights, __global float* nodes,
                                  MultumReflectanceMap map, MultumBoxBand band) {
   const int item = (int)get_global_id(0);

@@ -15,7 +15,7 @@
 //   normal_x, normal_y, normal_z [row][map_width]
 //   steps [(order + 1) (order + 2) / 2]            the recurrence's constants
 //   nodes [plane][row][row_length]                 written: the coefficients from l = 1
-//   shortened                                      not 0: lengths of normals are a BRDF's width
+//   shortened                                      not 0: the lengths of normals hold a BRDF's width
 // Memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const float2* steps, __global float* nodes, MultumBoxBand band, int shortened) {

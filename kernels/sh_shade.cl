@@ -29,7 +29,7 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h,
 
 #define SH_LINEAR_CONSTANT 0.488602512f  // of Y_1m
 
-// Returns the cosine that the highlight of half vector h is multiplied by: that of the mean normal, which is shorter
+// Returns the cosine that multiplies the highlight of half vector h: the cosine of the mean normal, which is shorter
 // than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.
 static float cosine_of_half(__global const float* g, float share, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;

@@ -7,7 +7,7 @@
 
 // f of n . h: Blinn-Phong, or a sum of term_count vMFs, each a weight times a density of spread 1 - A(kappa).
 typedef struct MultumHighlight {
-  float exponent;  // s of f if it is Blinn-Phong, otherwise of an equally wide Blinn-Phong
+  float exponent;  // s of f if f is Blinn-Phong, otherwise s of an equally wide Blinn-Phong
   float total;     // the integral of f over the sphere; 1 for Blinn-Phong
   int term_count;  // 1..4; 0: Blinn-Phong
   int unused;

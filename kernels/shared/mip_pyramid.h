@@ -6,17 +6,17 @@
 #define MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 
 typedef struct MultumMipLevel {
-  int offset;  // index of its first texel
+  int offset;  // index of the level's first texel
   int width;
   int height;
-  int taps_x;     // first tap of its columns in the next coarser level; unused in the coarsest level
-  int taps_y;     // first tap of its rows
-  int gathers_x;  // first gather of its columns from the next finer level; unused in the finest level
-  int gathers_y;  // first gather of its rows
+  int taps_x;     // first tap of the level's columns in the next coarser level; unused in the coarsest level
+  int taps_y;     // first tap of the level's rows
+  int gathers_x;  // first gather of the level's columns from the next finer level; unused in the finest level
+  int gathers_y;  // first gather of the level's rows
   int unused;
 } MultumMipLevel;
 
-// The two texels of the next coarser level between which a texel is interpolated, in one direction.
+// The two neighbouring texels of the next coarser level from which a texel is interpolated, in one direction.
 typedef struct MultumTap {
   int first;
   int second;
@@ -35,7 +35,7 @@ typedef struct MultumGatherEntry {
   float weight;
 } MultumGatherEntry;
 
-// Neighbouring texels of one row of a level, the work of one work-item: many on CPUs, one on GPUs.
+// Neighbouring texels of one row of a level, which one work-item computes: many texels on CPUs, one on GPUs.
 typedef struct MultumStrip {
   int level;
   int y;

@@ -8,10 +8,10 @@
 // Work-items that fit one texel together, on devices with enough of them (movmf_em_texels.cl, movmf_binning.cl).
 #define MULTUM_TEAM 64
 
-// Values of MovmfFit::order: the same-level neighbours that are done when a texel is fitted.
+// Values of MovmfFit::order, which determines the neighbours that are done when a texel is fitted.
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
 #define MULTUM_ORDER_AGAIN 2     // a further pass: every neighbour is done, and EM starts from the texel's own lobes
-#define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, from left to right: Han et al. 2007, section 7
+#define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, each from left to right: Han et al. 2007, section 7
 
 // Floats per lobe in the start buffer: one plane of MULTUM_GROUP lanes each.
 #define MULTUM_START_MU 0         // 3 planes: direction, unit length
@@ -29,7 +29,7 @@
 #define MULTUM_AXIS_FLOATS (MULTUM_AXIS_BINS + 3)
 // Shortened normals have a grid for each class of lengths, so that the normals of one cell have similar lengths.
 #define MULTUM_LENGTH_CLASSES 4
-#define MULTUM_CELL_SUMS 4         // three values and the weights, as whole numbers of 2^-30
+#define MULTUM_CELL_SUMS 4         // three values and the weight, as integers in units of 2^-30
 #define MULTUM_CONDENSED_SAMPLE 4  // floats: three mean values and their weight
 
 typedef struct MultumMovmfFit {
@@ -37,9 +37,9 @@ typedef struct MultumMovmfFit {
   int map_height;
   int width;  // this level
   int height;
-  int parent_width;  // next coarser level; 0: none, EM starts from the level's own lobes
+  int parent_width;  // width of the next coarser level; 0: none, EM starts from the level's own lobes
   int parent_height;
-  int sample_columns;  // finest texels spanned by a texel's samples, largest of the level (narrower ones: weight 0)
+  int sample_columns;  // most finest texels across a texel of the level (samples outside narrower texels weigh 0)
   int sample_rows;
   // Buffers hold windows of rows. Window row 0 is row `first_row` of the level. Rows wrap at the level's height, so a
   // map that repeats continues above its first row. Planes of lobes are width * window_rows apart. A texel's number in
@@ -49,23 +49,23 @@ typedef struct MultumMovmfFit {
   int parent_first_row;
   int parent_window_rows;
   int map_first_row;
-  int map_window_rows;  // sums use rows, or chunks that begin, in [map_first_row, + map_window_rows)
+  int map_window_rows;  // sums use rows, or chunks beginning, in [map_first_row, + map_window_rows)
   int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
   int order;            // MULTUM_ORDER_*
   int periodic_x;       // not 0: texels at one border are neighbours of those at the other
   int periodic_y;
   int iteration_count;
-  int sample_capacity;                  // most samples per texel (movmf_em_texels.cl); for a binned texel its cells
+  int sample_capacity;                  // most samples per texel (movmf_em_texels.cl); cells of a binned texel
   int cell_side;                        // cells along a side of a binned texel's grid; 0: not binned
-  int shortened;                        // not 0: normals are mean vectors of a BRDF's lobes, of lengths up to 1
-  float extra_copies;                   // further facets that a sample stands for in the E-step (besides 1)
-  float convergence_tolerance_squared;  // texels with smaller changes have converged; 0: run every iteration
+  int shortened;                        // not 0: normals are mean vectors of a BRDF's lobes, at most 1 long
+  float extra_copies;                   // facets that a sample represents in the E-step, in addition to 1
+  float convergence_tolerance_squared;  // texels that change less have converged; 0: runs every iteration
   int chunk_rows;                       // rows per chunk (movmf_em_chunks.cl)
   int chunk_count;                      // chunks per texel
-  float start_kappa_factor;             // start kappa = the parent's kappa times this
+  float start_kappa_factor;             // the start kappa is the parent's kappa times this
   float start_amplitude_min;            // least start amplitude
   float alignment;                      // C of the alignment prior, >= 0
-  float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
+  float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals)
   float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)
 } MultumMovmfFit;

@@ -3,7 +3,7 @@
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 
-// Highlights that lobes are refined for: Blinn-Phong of exponent s. Squared errors of a sharp highlight would outweigh
+// Lobes are refined for these highlights: Blinn-Phong of exponent s. Squared errors of a sharp highlight would outweigh
 // those of a broad one by the ratio of their exponents, so each highlight is weighted by 1/s. The broadest and the
 // sharpest highlights have less weight. The broadest differs little between fits. The sharpest mainly shows single
 // normals, which a few lobes cannot follow.
@@ -21,7 +21,7 @@
 #define MULTUM_REFINE_STEPS 10
 #define MULTUM_REFINE_DAMPING 0.1f
 #define MULTUM_REFINE_STEP_CUT 0.25f
-// A step is not undone for an increase of energy within single-precision rounding.
+// A step is not undone if it raises the energy by no more than single-precision rounding.
 #define MULTUM_REFINE_ENERGY_ROUNDING 1e-6f
 #define MULTUM_REFINE_ENERGY_MAX 3e38f
 // Weight of the view midway to each of the four adjacent texels; the texel's centre has weight 1. Without it, errors at
@@ -32,7 +32,7 @@
 #define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
 // Pooled lobes shorter than this turn as if they had this length.
 #define MULTUM_REFINE_LENGTH_MIN 0.02f
-// Raises the diagonal of lobes without weight, which would be 0.
+// Least diagonal entry: lobes without weight would have 0.
 #define MULTUM_REFINE_DIAGONAL_MIN 1e-6f
 // In one step an amplitude keeps at least this share, kappa changes by at most a factor e, and a lobe turns by at most
 // its width, sqrt(1 - |r| + MULTUM_REFINE_TURN_MIN).
@@ -54,13 +54,13 @@
       0.1881f, -0.8361f                                                                                          \
     }                                                                                                            \
   }
-// Refined lobes are kept if their error is at most this times that of EM's lobes, because EM's lobes fit less well next
-// to refined ones. With 1, the error is 9.8 % (four-quarter map of 1024, 4 lobes, s = 100, midway in x at level 3). A
-// level's only texel has no neighbours and uses 1.
+// Refined lobes are kept if their error is at most this factor times the error of EM's lobes, because EM's lobes fit
+// less well next to refined lobes. A factor of 1 gives an error of 9.8 % (four-quarter map of 1024, 4 lobes, s = 100,
+// midway in x at level 3). If a level has only one texel, there are no neighbours and the factor is 1.
 #define MULTUM_REFINE_LOOK_SLACK 1.1f
-// Highlights below this, of exponents that no direction shows, count as equal.
+// Highlights darker than this count as equal: no direction shows their exponent.
 #define MULTUM_REFINE_SEEN_MIN 1e-6f
-// Least amplitude inside the refinement; with less, a step would have no gradient.
+// Least amplitude inside the refinement; a smaller amplitude would have no gradient.
 #define MULTUM_REFINE_AMPLITUDE_MIN 1e-5f
 
 #endif

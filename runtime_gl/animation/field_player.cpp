@@ -98,8 +98,8 @@ void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   playback_.uploaded(key);
 }
 
-/// Uploads coarse images first. `all`: uploads everything; otherwise uploads the first image of each layer whole, and
-/// others within the frame's byte limit.
+/// Uploads coarse images first. `all`: uploads all images; otherwise uploads the whole first image of each layer, and
+/// other images within the frame's byte limit.
 void FieldPlayer::upload_for(const std::vector<LayerNeed>& needs, bool all) {
   std::size_t most = 0;
   for (const LayerNeed& need : needs) most = std::max(most, need.images.size());

@@ -2,9 +2,9 @@
 // Plays a packed field. Each frame, a program asks for a point of the parameter space. It gets the textures of every
 // object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded when
 // they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a single
-// sample, workers add up the sample's coefficients instead and cache whole textures: this takes one transform for all
-// images, and the GPU has nothing to add. Textures are mapped on exact geometry, so a camera may be anywhere near the
-// field's samples; docs/contributing/ALGORITHMS.md says how near.
+// sample, workers add up the sample's coefficients instead and cache whole textures: only one transform is needed for
+// all images, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be anywhere near the
+// field's samples; docs/contributing/ALGORITHMS.md gives the allowed distance.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)
@@ -24,8 +24,8 @@ namespace multum::gl {
 struct PlayerSettings {
   PlaybackSettings playback;                       // FieldPlayer sets kind
   std::size_t upload_max = std::size_t{16} << 20;  // bytes uploaded per frame, at least 2^16
-  bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; else uses the nearest
-  bool waits = false;      // waits for all images of a frame; else only for the coarsest image of each texture
+  bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; if false, uses the nearest
+  bool waits = false;      // waits for all images of a frame; if false, only for each texture's coarsest image
 };
 
 /// State of a layer in a frame.
@@ -50,8 +50,8 @@ class FieldPlayer {
 
   const FieldDescription& description() const { return playback_.description(); }
 
-  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead`: expected points of
-  /// the next frames, as far as they are known, the next first. Throws Error(kEnvironment) if the images that the
+  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead`: the expected points
+  /// of the next frames, as far as known, the nearest frame first. Throws Error(kEnvironment) if the images that the
   /// player waits for do not fit into memory.
   const FrameReport& prepare(const std::vector<double>& point, const std::vector<std::vector<double>>& ahead);
 

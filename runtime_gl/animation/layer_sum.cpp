@@ -9,7 +9,7 @@
 namespace multum::gl {
 namespace {
 
-// Images per pass: every GL 4.5 has 16 texture units, and one is for the sum.
+// Images per pass. Every GL 4.5 has 16 texture units, and the sum uses one.
 constexpr std::size_t kImagesMax = 8;
 
 constexpr SamplerSettings kFetched = {WrapMode::kClamp, WrapMode::kClamp, false, 1.0f};

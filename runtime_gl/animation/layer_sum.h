@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sums decoded images of a packed field to the texture of a layer, on the GPU: a weighted sum of gamma-coded values,
-// clipped at 0 and converted to radiance, with all mip levels, the same as in unpacked textures.
+// clipped at 0 and converted to radiance. The texture has all mip levels and equals an unpacked texture.
 #pragma once
 
 #include <array>

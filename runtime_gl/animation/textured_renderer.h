@@ -16,7 +16,7 @@ namespace multum::gl {
 
 struct TexturedObject {
   PlacedMesh placed;
-  std::vector<const Texture*> layers;  // summed; if empty, the object is black and hides objects behind it
+  std::vector<const Texture*> layers;  // textures to add up; if empty, the object is black and hides objects
 };
 
 class TexturedRenderer {

@@ -12,7 +12,7 @@
 namespace multum::gl {
 
 /// Creates a context on the first display that has OpenGL 4.5 with all functions. Throws Error(kEnvironment); the
-/// message says for every tried display what it lacked.
+/// message names what each tried display lacks.
 std::unique_ptr<HeadlessContext> make_egl_context(DebugOutput debug);
 
 /// A display that EGL offers; displays are listed in the order in which make_egl_context() tries them.

@@ -20,8 +20,8 @@ using multum::ContextBackend;
 
 inline const char* context_backend_name(ContextBackend backend) { return choice_name(kContextBackends, backend); }
 
-/// Debug output of the driver: kOn logs problems of each call at once, as warnings. The driver then waits for each
-/// call, so timed code must use kOff.
+/// Debug output of the driver: kOn logs the problems of each call immediately, as warnings. The driver then waits for
+/// each call, so timed code must use kOff.
 enum class DebugOutput { kOff, kOn };
 
 #ifdef MULTUM_DEBUG_CHECKS
@@ -43,7 +43,7 @@ class HeadlessContext {
   const GlFunctions& functions() const { return functions_; }
   /// Returns a description such as "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6".
   const std::string& description() const { return description_; }
-  /// Returns whether a processor draws, by the renderer's name: llvmpipe, softpipe, SwiftShader, ...
+  /// Returns whether the CPU draws, as the renderer's name shows: llvmpipe, softpipe, SwiftShader, ...
   bool is_software() const;
 
  protected:
@@ -56,8 +56,8 @@ class HeadlessContext {
   std::string description_;
 };
 
-/// kAuto tries EGL first, because only EGL reaches a GPU, and then OSMesa. Throws Error(kEnvironment); the message says
-/// for every tried back-end what it lacked.
+/// kAuto tries EGL first, because only EGL reaches a GPU, and then OSMesa. Throws Error(kEnvironment); the message
+/// names what each tried back-end lacks.
 std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend, DebugOutput debug = kUsualDebugOutput);
 
 }  // namespace multum::gl

@@ -8,7 +8,7 @@
 
 namespace multum::gl {
 
-/// Throws Error(kEnvironment) if the library is missing or refuses the context.
+/// Throws Error(kEnvironment) if the library is missing or cannot create the context.
 std::unique_ptr<HeadlessContext> make_osmesa_context(DebugOutput debug);
 
 }  // namespace multum::gl

@@ -33,7 +33,7 @@ class Framebuffer {
   /// Directs later draws to the whole framebuffer.
   void bind() const { bind_rows(0, height_); }
   /// Directs later draws to part of a taller picture: the framebuffer holds the picture's rows from `bottom_row` on,
-  /// counted from below. An even `bottom_row` keeps groups of neighbouring fragments together.
+  /// counted from below. An even `bottom_row` keeps groups of 2 x 2 fragments together.
   void bind_rows(int bottom_row, int picture_height) const;
   /// Sets every channel of every pixel of every colour buffer.
   void clear_colour(float value = 0.0f) const;

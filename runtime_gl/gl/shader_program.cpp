@@ -68,7 +68,7 @@ void compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources, 
 
 ShaderProgram::ShaderProgram(const GlFunctions& gl) : gl_(&gl), id_(gl.CreateProgram()) {}
 
-// The delegated constructor is complete, so the destructor deletes the program even if this body throws.
+// The delegated constructor is complete, so the destructor deletes the program even if this constructor throws.
 ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources) : ShaderProgram(gl) {
   const Shader vertex(gl, GL_VERTEX_SHADER), fragment(gl, GL_FRAGMENT_SHADER);
   compile(gl, GL_VERTEX_SHADER, sources, vertex.id());

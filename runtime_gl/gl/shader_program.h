@@ -10,7 +10,7 @@
 
 namespace multum::gl {
 
-/// Texts are concatenated in order, without version lines.
+/// Source texts, concatenated in order, without version lines.
 struct ShaderSources {
   std::string name;                // name in messages: "movmf"
   std::vector<std::string> flags;  // "MULTUM_LOBE_COUNT 4"

@@ -12,8 +12,8 @@
 
 namespace multum::gl {
 
-/// All have four channels except BC5, which has two. kRgba8 and kBc5 are only for data already in a GPU's format
-/// (upload_bytes()), because llvmpipe filters them with 8 bits.
+/// All formats have four channels except BC5, which has two. Use kRgba8 and kBc5 only for data that is already in a GPU
+/// format (upload_bytes()), because llvmpipe filters these formats with 8 bits.
 enum class TexelFormat { kRgba16Snorm, kRgba16f, kRgba32f, kRgba8, kBc5 };
 
 const char* texel_format_name(TexelFormat format);
@@ -45,7 +45,7 @@ class Texture {
   Texture& operator=(const Texture&) = delete;
 
   /// `rgba`: 4 floats per texel, row 0 first; row 0 is at texture coordinate t = 0. Rounds to the nearest value of the
-  /// format: multiples of 1/32767 clamped to [-1, 1], or half with ties to even; floats stay unchanged.
+  /// format: multiples of 1/32767 clamped to [-1, 1], or halfs with ties to even; floats are not rounded.
   void upload_level(int level, const float* rgba);
   /// Uploads whole rows of a level unchanged, from 4 halves per texel. The format is kRgba16f; the texture is not an
   /// array.

@@ -33,7 +33,7 @@ class FinestLevels {
 
  private:
   std::optional<Texture> normals_;  // (mean normal, 1)
-  std::optional<Texture> albedo_;   // if both the file and the source have colours
+  std::optional<Texture> albedo_;   // set if both the file and the source have colours
 };
 
 }  // namespace multum::gl

@@ -31,17 +31,17 @@ class Material {
   /// Returns the order to which the surface uses the BRDF's zonal coefficients (u_zonal), or -1 if it does not use
   /// them.
   virtual int zonal_order() const { return -1; }
-  /// Returns the number of its blend weights of basis BRDFs, 0 to 4.
+  /// Returns the number of the material's blend weights of basis BRDFs, 0 to 4.
   virtual int weight_count() const { return 0; }
-  /// Draws from now on only the basis BRDF with this number, times its weight. If unset, ignores the weights.
+  /// From now on, draws only the basis BRDF with this number, times its weight. If unset, ignores the weights.
   void set_basis(std::optional<int> number) { basis_ = number; }
-  /// Returns the number of lobes that a pixel's evaluations may be spent on, instead of on points
+  /// Returns the number of lobes on which a pixel's evaluations can be spent, instead of on points
   /// (shaders/common/evaluations.glsl); 0: none.
   virtual int budgeted_lobes() const { return 0; }
   /// Returns whether each sample has one normal, around which an environment is sampled by brute force.
   virtual bool samples_light() const { return false; }
-  /// Returns whether each sample has one texel, drawn from those that the texture's filter reads at the pixel's middle.
-  /// Samples are then not shifted within the pixel.
+  /// Returns whether each sample uses one texel, drawn at random from the texels that the texture's filter reads at the
+  /// pixel's middle. Samples are then not shifted within the pixel.
   virtual bool samples_footprint() const { return false; }
 
  protected:

@@ -19,8 +19,8 @@ struct TexelPlane {
 };
 
 /// Uploads an RGBA32F texture with levels 0 to `level_count` - 1, each the box-filtered previous level. Levels do not
-/// average the finest texels directly, so for sizes that are not powers of two the weights are those of any mip
-/// generator.
+/// average the finest texels directly; for sizes that are not powers of two, the weights are the same as in usual mip
+/// generators.
 Texture upload_mips(const GlFunctions& gl, const char* name, TexelPlane plane, int level_count,
                     const SamplerSettings& sampler);
 

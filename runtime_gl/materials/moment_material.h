@@ -23,9 +23,9 @@ ShaderParts moment_shader_parts(MomentShading shading);
 
 class MomentMaterial : public Material {
  public:
-  /// Uses RGBA16F for half and RGBA32F for float. `source`: the baked map; needed, and used, only if the file's first
-  /// level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or of
-  /// another size.
+  /// Uses RGBA16F for half and RGBA32F for float values. `source`: the baked map; needed, and used, only if the file's
+  /// first level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or
+  /// of another size.
   MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap, float anisotropy,
                  const NormalImage* source = nullptr);
 
@@ -39,7 +39,7 @@ class MomentMaterial : public Material {
  private:
   std::optional<Texture> weights_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // if roughness is included
+  std::optional<float> mean_cosine_;  // set if roughness is included
   std::optional<Texture> means_;      // E[n]; w = E[b_s b_t]
   std::optional<Texture> slopes_;     // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
   std::optional<Texture> colours_;

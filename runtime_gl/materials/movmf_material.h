@@ -50,8 +50,9 @@ class MovmfMaterial : public Material {
   /// surrounding texels. Only for files that begin at level 0, without roughness; not for planar Gaussians.
   void set_magnified(bool magnified);
 
-  /// Draws one random normal per pixel and frame, from a lobe chosen by amplitude, as a renderer that stores one normal
-  /// does. Use with Renderer::draw_reference(), one frame per sample; not with environments or shade_first.
+  /// Draws one random normal per pixel and frame, from a lobe that is chosen with its amplitude as probability, like a
+  /// renderer that stores one normal. Use with Renderer::draw_reference(), one frame per sample; not with environments
+  /// or shade_first.
   void set_drawn(const GlFunctions& gl, DrawnNoise noise);
 
   /// Sets linear colours of the map's texels, plainly filtered and shared by all lobes, for mipmaps without colours.
@@ -75,12 +76,12 @@ class MovmfMaterial : public Material {
   std::vector<Texture> lobes_;  // empty if there are layers
   std::optional<Texture> layers_;
   std::vector<LobeUnpacking> unpacking_;
-  bool has_black_border_ = false;  // layers only: amplitudes fall to 0 at the border
+  bool has_black_border_ = false;  // for layers only: amplitudes fall to 0 at the border
   int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // if roughness is included
+  std::optional<float> mean_cosine_;  // set if roughness is included
   FinestLevels finest_;
   std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;

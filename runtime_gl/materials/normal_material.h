@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The finest normals as textures, for reference pictures and for the methods that users have today: averaged normals
-// (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All are RGBA32F, so that a baseline's errors
-// come from its method and not from storage.
+// (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All textures are RGBA32F, so that a baseline's
+// errors come from its method and not from storage.
 #pragma once
 
 #include <optional>
@@ -42,10 +42,10 @@ enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// References: kNearest uses only level 0, its texels as facets. kBlended draws one of the four surrounding texels by
-  /// their bilinear weights, which level 0's filter averages. kInterpolated uses the normal between the four.
-  /// kFootprint draws a texel that the scene's TextureFilter averages (exact distributions, common/footprint.glsl).
-  /// Baselines: kMipmapped uses box-filtered mips.
+  /// References: kNearest uses only level 0, with its texels as facets. kBlended chooses one of the four surrounding
+  /// texels at random by their bilinear weights, as level 0's filter averages them. kInterpolated uses the normal
+  /// interpolated between the four texels. kFootprint chooses at random one of the texels that the scene's
+  /// TextureFilter averages (exact distributions, common/footprint.glsl). Baselines: kMipmapped uses box-filtered mips.
   enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): one array of
 // textures with four coefficients per layer, and textures of colours and of weights of basis BRDFs if the file has
-// them. An array is needed because a shader is only guaranteed 16 samplers, and order 8 takes 20. The levels are those
-// of the file. Textures of the normal map replace levels that the file does not store.
+// them. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need 20. The levels
+// are those of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>
@@ -26,9 +26,9 @@ std::vector<std::string> sh_shading_flags(int order);
 
 class ShMaterial : public Material {
  public:
-  /// Uses RGBA16F for half and RGBA32F for float. `source`: the baked map; needed, and used, only if the file's first
-  /// level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or of
-  /// another size.
+  /// Uses RGBA16F for half and RGBA32F for float values. `source`: the baked map; needed, and used, only if the file's
+  /// first level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or
+  /// of another size.
   ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anisotropy, const NormalImage* source = nullptr);
 
   void set_cosine(ShCosine cosine) { cosine_ = cosine; }
@@ -45,7 +45,7 @@ class ShMaterial : public Material {
   std::optional<Texture> harmonics_, colours_, weights_;
   FinestLevels finest_;
   int weight_count_ = 0;
-  std::optional<float> mean_cosine_;  // if a BRDF's width is included
+  std::optional<float> mean_cosine_;  // set if a BRDF's width is included
   ShCosine cosine_ = ShCosine::kIrradiance;
 };
 

@@ -30,14 +30,14 @@ struct Entry {
   float weight;
 };
 
-// Returns the number of texels of a level that a footprint is first assumed to reach. Anisotropy a reaches along a line
-// of a texels, and bilinear filtering adds one texel.
+// Returns the first assumption for the number of texels of a level that a footprint reaches. A footprint of anisotropy
+// a reaches along a line of a texels, and bilinear filtering adds one texel.
 int first_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? static_cast<int>(std::ceil(sampler.anisotropy)) + 3 : 2;
 }
 
-// Returns the largest such number: an ellipse of llvmpipe reaches 2 a texels to both sides, because its level is
-// rounded down.
+// Returns the largest number of texels that a footprint can reach: an ellipse of llvmpipe with anisotropy a reaches 2 a
+// texels to both sides, because its level is rounded down.
 int last_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? 4 * static_cast<int>(std::ceil(sampler.anisotropy)) + 8 : 2;
 }
@@ -180,8 +180,8 @@ class BandDecoder {
     return nearest_of_class(of_class, low_digit, high_digit, i);
   }
 
-  // Returns the texel of a class that is nearest to the texture coordinate, in the level whose parity the class has.
-  // Among texels at about the same distance, prefers the one closest to the digits.
+  // Returns the texel of a class that is nearest to the texture coordinate, in the level that has the class's parity.
+  // Among texels at about the same distance, prefers the texel whose number is closest to the digits.
   int nearest_of_class(int of_class, float low_digit, float high_digit, std::size_t i) const {
     const double s = static_cast<double>(place.rgba[4 * i]), t = static_cast<double>(place.rgba[4 * i + 1]);
     const double lod = std::clamp(static_cast<double>(place.rgba[4 * i + 2]), 0.0, level_count_ - 1.0);
@@ -198,7 +198,8 @@ class BandDecoder {
           const int ty = wrapped(y0 + dy, level.height, mapping_.wrap_t);
           if (classes_.class_of(l, tx, ty) != of_class) continue;
           const int texel = level.offset + ty * level.width + tx;
-          // Digits have an error of rounding divided by weight; errors of coordinates are below a hundredth of a texel.
+          // The error of digits is the rounding error divided by the weight; errors of coordinates are below a
+          // hundredth of a texel.
           const double gap = std::max({0.0, std::abs(x - (x0 + dx)) - 1.0, std::abs(y - (y0 + dy)) - 1.0});
           const double digits = std::abs(static_cast<double>((texel + 1) % kDigit) - static_cast<double>(low_digit)) +
                                 std::abs(static_cast<double>((texel + 1) / kDigit) - static_cast<double>(high_digit));
@@ -307,7 +308,7 @@ FilterProbe::FilterProbe(const GlFunctions& gl, int width, int height, int super
       probe_(gl, probe_sources({})),
       occluder_(gl, probe_sources({"MULTUM_OCCLUDER"})) {}
 
-// Values that stay the same while classes are made wider.
+// Values that do not change while classes are made wider.
 struct FilterProbe::Pass {
   const std::vector<PlacedMesh>& objects;
   std::size_t object;

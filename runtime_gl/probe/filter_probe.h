@@ -2,8 +2,8 @@
 // Measures the filter matrix of texture inference with GL itself (Hakura et al. 2000, section 3.2, "Obtaining matrix
 // A"). The paper sets every sixth texel of every third level at once and renders 108 times; here all texels are set at
 // once. Each texel belongs to one of a few classes (texel_classes.h), and no footprint holds two texels of a class. One
-// draw measures eight classes in as many channels, and two digits of the texel's number in other channels, as the paper
-// does with identifiers. Trilinear filtering of even sizes needs only one draw.
+// draw measures eight classes in eight channels, and two digits of the texel's number in other channels, like the
+// paper's identifiers. Trilinear filtering of even sizes needs only one draw.
 //
 // Departures: with float buffers the paper's correction of truncated rows is not needed. Identifiers are
 // weight * digit, so a tiny weight cannot identify its texel. Such texels are found by the texture coordinate, and the
@@ -30,9 +30,9 @@ class FilterProbe {
   /// Draws pictures of width x height pixels with supersampling^2 sub-pixels each. Throws Error(kEnvironment).
   FilterProbe(const GlFunctions& gl, int width, int height, int supersampling);
 
-  /// Returns the matrix of objects[object] where the other objects leave it visible. `mapping` gives the texture's size
-  /// and wrap modes; the mesh's coordinates are already mapped. The caller fills in the provenance. `threads` is for
-  /// decoding and does not affect the result.
+  /// Returns the matrix of objects[object] for the pixels where the other objects do not hide it. `mapping` gives the
+  /// texture's size and wrap modes; the mesh's coordinates are already mapped. The caller fills in the provenance.
+  /// `threads` is for decoding and does not affect the result.
   FilterMatrix probe(const std::vector<PlacedMesh>& objects, std::size_t object, const TextureMapping& mapping,
                      const ProbeSampler& sampler, int threads) const;
 

@@ -14,8 +14,8 @@ struct PlacedMesh {
 };
 
 /// Returns the number of rows of a supersampled picture that are drawn at a time, counted from below. The number is
-/// even and buffers take at most 256 MiB. The probe and the pictures share it, because the place in the buffer affects
-/// the rounding of coordinates.
+/// even, and buffers take at most 256 MiB. The probe and the pictures use the same number, because the place in the
+/// buffer affects the rounding of coordinates.
 int band_row_count(int sub_width, int sub_height, int supersampling);
 
 }  // namespace multum::gl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws surfaces directly from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4). The
-// level is chosen here, by the driver, or not at all. Also draws references and measures flicker.
+// Draws surfaces directly from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4). This
+// code or the driver chooses the level, or the finest level is used. Also draws references and measures flicker.
 #pragma once
 
 #include <array>
@@ -20,9 +20,9 @@
 
 namespace multum::gl {
 
-/// Williams makes d proportional to a pixel's width w and leaves the factor open. A trilinear lookup at a level with
-/// texels of width w blurs with a variance of w^2 / 4: w^2 / 12 from the texel's box and w^2 / 6 from the tent between
-/// texels. A pixel's own box has w^2 / 12. With texels of width w / sqrt(3), both variances are equal.
+/// Williams makes the texel width proportional to a pixel's width w and does not give the factor. A trilinear lookup at
+/// a level with texels of width w blurs with a variance of w^2 / 4: w^2 / 12 from the texel's box and w^2 / 6 from the
+/// tent between texels. A pixel's own box has w^2 / 12. With texels of width w / sqrt(3), both variances are equal.
 constexpr float kEqualVarianceBias = -0.79248125f;  // -log2(sqrt(3))
 
 /// Lookup methods of a map.
@@ -64,7 +64,7 @@ class PyramidRenderer {
   /// Draws levels before clamping: red as chosen by common/pyramid.glsl, green as chosen by the driver
   /// (textureQueryLod).
   FloatImage draw_levels(const Mesh& mesh, const Texture& map, bool by_normal, const PyramidScene& scene);
-  /// Shades in the fragment shader, without a map.
+  /// Shades in the fragment shader, without using a map.
   FloatImage draw_phong(const Mesh& mesh, const PhongLights& lights, const PyramidScene& scene);
 
  private:
@@ -90,9 +90,9 @@ FloatImage supersampled(int side, const Draw& draw) {
   return mean;
 }
 
-/// Measures the flicker of pictures relative to their references over several shifts. Returns the root of the mean,
-/// over pixels, of the variance over shifts of picture - reference, divided by the reference's mean value. Returns 0
-/// for black references.
+/// Measures the flicker of pictures relative to their references over several shifts. Takes the variance of picture -
+/// reference over the shifts. Returns the root of its mean over pixels, divided by the reference's mean value. Returns
+/// 0 for black references.
 double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& references);
 
 }  // namespace multum::gl

@@ -32,7 +32,7 @@ class BrdfShading {
   struct Numbers {
     float exponent;
     glm::vec3 total;
-    std::vector<glm::vec3> weights;               // weights of terms, if the shader uses them
+    std::vector<glm::vec3> weights;               // weights of the terms, if the shader uses these
     std::vector<float> spreads;                   // as many
     std::map<int, std::vector<glm::vec3>> zonal;  // by order
   };

@@ -23,7 +23,7 @@ glm::mat4 view_projection(const Camera& camera, int width, int height, glm::vec2
 
 namespace {
 
-constexpr float kFilled = 0.94f;  // share of the picture's half width and height that the points fill
+constexpr float kFilled = 0.94f;  // share of the picture's half width or height that the points fill
 
 struct AxisPoint {
   float x, z;  // x along an axis of the picture, z towards the eye, both from the middle
@@ -40,8 +40,8 @@ float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
   return 0.5f * (most + least) / t;
 }
 
-// Returns the eye's offset at which the points reach equally far to both sides of the picture. The sum of the two
-// reaches falls as the offset grows.
+// Returns the eye's offset at which the points extend equally far to both sides of the picture. The sum of the two
+// extents falls as the offset grows.
 float offset_to_centre(const std::vector<AxisPoint>& points, float distance, float radius) {
   float low = -radius, high = radius;
   for (int step = 0; step < 20; ++step) {  // precise to a millionth of the radius
@@ -102,7 +102,7 @@ Camera moved_away(const Camera& camera, float factor) {
   Camera moved = camera;
   const glm::vec3 view = camera.eye - camera.target;
   moved.eye = camera.target + factor * view;
-  // Change of the distance of every point along the line of sight.
+  // The amount by which the distance of every point grows along the line of sight.
   const float farther = (factor - 1.0f) * glm::length(view);
   moved.near_distance = farther > 0.0f ? camera.near_distance + farther : factor * camera.near_distance;
   moved.far_distance = camera.far_distance + std::max(farther, 0.0f);

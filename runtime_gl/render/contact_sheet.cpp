@@ -11,7 +11,7 @@ namespace {
 constexpr int kGlyphWidth = 5;
 constexpr int kGlyphHeight = 8;
 constexpr int kGlyphAdvance = kGlyphWidth + 1;
-constexpr int kMargin = 2;         // around a label; this and the glyph's sizes are in pixels at scale 1
+constexpr int kMargin = 2;         // margin around a label; this and the glyph's sizes are in pixels at scale 1
 constexpr int kGlyphScaleMax = 2;  // used if the pictures are wide enough
 constexpr int kLabelHeight = kGlyphScaleMax * (kGlyphHeight + 2 * kMargin);
 constexpr int kGap = 4;
@@ -114,7 +114,8 @@ void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, int 
 
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value) {
   MULTUM_CHECK(!rows.empty() && !rows[0].empty());
-  // No label is cut: a small picture gets smaller letters, and a cell wider than the picture if these are too wide too.
+  // No label is cut: small pictures get smaller letters or, if these are still too wide, a cell that is wider than the
+  // picture.
   const int label_width = widest_label(rows);
   const int scale = kGlyphScaleMax * label_width <= rows[0][0].image.width ? kGlyphScaleMax : 1;
   const int cell_width = std::max(rows[0][0].image.width, scale * label_width) + kGap;

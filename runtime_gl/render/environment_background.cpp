@@ -13,7 +13,7 @@
 namespace multum::gl {
 namespace {
 
-constexpr int kSamplesASide = 2;  // per pixel; maps are rarely finer than pictures
+constexpr int kSamplesASide = 2;  // samples along a pixel's side; maps are rarely finer than pictures
 
 // Interpolates between texel centres; the map wraps horizontally.
 glm::vec3 radiance(const EnvironmentMap& map, glm::dvec2 st) {

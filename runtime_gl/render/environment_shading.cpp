@@ -86,7 +86,7 @@ void EnvironmentShading::set_map(const RenderScene& scene) {
 EnvironmentShading::Tables EnvironmentShading::make_tables(const Brdf& brdf) const {
   Tables made;
   for (const VmfTerm& term : vmf_terms(brdf)) made.term_spreads.push_back(static_cast<float>(term.spread));
-  // Lambert has no terms, and its Fresnel part is not read.
+  // Lambert has no terms, and its Fresnel part is not used.
   const auto tables = reflection_tables(brdf);
   std::vector<glm::vec4> texels;
   for (const auto& table : tables)

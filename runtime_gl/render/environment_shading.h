@@ -17,11 +17,12 @@ namespace multum::gl {
 /// Number of directions of each kind in which a pixel samples its environment, if each sample has one normal.
 constexpr int kEnvironmentSampleCount = 32;
 
-/// Returns the environment's x, y and z axes in the world. y is up. -z, the map's middle, points ahead for a viewer who
-/// looks along y over the plane z = 0, or at a mesh from the front. The scene's environment_turn then rotates all axes.
+/// Returns the environment's x, y and z axes in the world. y is up. -z, the map's middle, is straight ahead for a
+/// viewer who looks along y over the plane z = 0, or who looks at a mesh from the front. The scene's environment_turn
+/// then rotates all axes.
 std::array<glm::vec3, 3> environment_axes(const RenderScene& scene);
 
-/// `samples_light`: that of the material. Returns nothing without an environment.
+/// `samples_light`: Material::samples_light(). Returns nothing without an environment.
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light);
 
 class EnvironmentShading {
@@ -46,7 +47,7 @@ class EnvironmentShading {
   struct Tables {
     std::vector<float> term_spreads;
     std::optional<Texture> texture;     // none for Lambert
-    std::vector<glm::vec3> half_zonal;  // orders up to kHalfVectorOrder, if requested
+    std::vector<glm::vec3> half_zonal;  // orders up to kHalfVectorOrder, if these were requested
   };
   Tables make_tables(const Brdf& brdf) const;
   void set_half_vector_light(const RenderScene& scene, glm::ivec2 viewport);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Caches data that takes long to compute from a BRDF, such as fits and tables, for the last few BRDFs. So objects of
-// several BRDFs do not repeat the work in every frame, and a changing BRDF leaves only a few entries.
+// Caches data that takes long to compute from a BRDF, such as fits and tables, for the last few BRDFs. So objects with
+// several BRDFs do not repeat the work in every frame, and a BRDF that changes does not fill the memory.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +24,8 @@ class KeptOfBrdf {
  public:
   static constexpr std::size_t kMost = 16;
 
-  /// Returns the value of a BRDF with the same reflection, or else of `make(brdf)`. The address stays valid until kMost
-  /// other BRDFs were used.
+  /// Returns the cached value of a BRDF with the same reflection, or else the value of `make(brdf)`. The address stays
+  /// valid until kMost other BRDFs were used.
   template <typename Make>
   Value& of(const Brdf& brdf, const Make& make) {
     const auto found =

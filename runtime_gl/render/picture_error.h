@@ -16,6 +16,6 @@ PictureError picture_error(const FloatImage& picture, const FloatImage& referenc
 
 /// Returns |picture - reference| times `gain`, with alpha 1.
 FloatImage difference_image(const FloatImage& picture, const FloatImage& reference, float gain = 1.0f);
-constexpr float kDifferenceGain = 4.0f;  // gain for difference images that people look at
+constexpr float kDifferenceGain = 4.0f;  // gain of displayed difference images
 
 }  // namespace multum::gl

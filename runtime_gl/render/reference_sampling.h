@@ -12,12 +12,12 @@
 
 namespace multum::gl {
 
-/// Weights of a pixel's surroundings. Box: its own area, 1 pixel wide. Tent: 2 pixels wide. Gaussian: standard
+/// Weights of a pixel's surroundings. Box: the pixel's own area, 1 pixel wide. Tent: 2 pixels wide. Gaussian: standard
 /// deviation 1/2 pixel, cut off at 1.5 pixels.
 enum class PixelFilter { kBox, kTent, kGaussian };
 
 constexpr double kReferenceNoise = 0.005;        // relative L1
-constexpr int kReferenceSampleCountMax = 65536;  // limit if the noise stays above its target
+constexpr int kReferenceSampleCountMax = 65536;  // limit of the sample count if the noise stays above its target
 constexpr int kReferenceBatch = 64;              // samples between measurements of the noise
 
 struct ReferenceSampling {
@@ -26,8 +26,8 @@ struct ReferenceSampling {
   PixelFilter filter = PixelFilter::kBox;
 };
 
-/// Returns a sample's offset from the pixel's middle, in pixels. Roberts' R2 sequence (multiples of 1/g and 1/g^2,
-/// g^3 = g + 1), which is evenly spread for every count, goes through the inverse of the filter's distribution in each
+/// Returns a sample's offset from the pixel's middle, in pixels. Maps Roberts' R2 sequence (multiples of 1/g and 1/g^2,
+/// g^3 = g + 1), which is evenly spread for every count, through the inverse of the filter's distribution in each
 /// direction.
 glm::vec2 reference_offset(PixelFilter filter, int sample);
 
@@ -40,8 +40,9 @@ class ReferenceSum {
   /// `sum`: the sum of `sample_count` pictures.
   void add(const FloatImage& sum, int sample_count);
   int sample_count() const { return counts_[0] + counts_[1]; }
-  /// Returns the relative L1 of the RGB of all pixels: sum |a - b| / 2 over sum (a + b) / 2, where a and b are the
-  /// means of the halves. Infinite before the second batch; 0 if everything is black.
+  /// Returns the relative L1 difference of the RGB values of all pixels: the sum of |a - b| / 2 divided by the sum of
+  /// (a + b) / 2, where a and b are the means of the halves. Infinite before the second batch; 0 if everything is
+  /// black.
   double noise() const;
   FloatImage mean() const;
 

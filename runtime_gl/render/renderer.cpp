@@ -118,7 +118,7 @@ void Renderer::draw_shifted(const ShaderProgram& shader, const Mesh& mesh, const
 
 namespace {
 
-// Measures the driver's drawing time by its own clock.
+// Measures the drawing time with the driver's own timer.
 class DrawTimer {
  public:
   explicit DrawTimer(const GlFunctions& gl) : gl_(gl) { gl_.CreateQueries(GL_TIME_ELAPSED, 1, &query_); }
@@ -238,7 +238,7 @@ Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, con
   gl_.Finish();
   const Stopwatch stopwatch;
   const bool is_fixed = sampling.sample_count > 0;
-  // The noise can only be measured from two batches on.
+  // The noise can be measured only from the second batch on.
   const int batch = is_fixed ? std::min(kReferenceBatch, (sampling.sample_count + 1) / 2) : kReferenceBatch;
   const int count_max = is_fixed ? sampling.sample_count : kReferenceSampleCountMax;
   ReferenceSum sum(framebuffer_.width(), framebuffer_.height());

@@ -25,8 +25,8 @@ struct Picture {
   // From glFinish to glFinish of one frame: the median of 3, or one frame that took longer than kLongFrameMs. For a
   // reference: the time of all samples.
   double frame_time_ms;
-  double processor_time_ms = 0.0;  // least of such frames, in all threads of this process; reference: 0
-  double draw_time_ms = 0.0;       // drawing time by the driver's own clock (GL_TIME_ELAPSED); reference: 0
+  double processor_time_ms = 0.0;  // least of these frames, in all threads of this process; reference: 0
+  double draw_time_ms = 0.0;       // drawing time by the driver's own timer (GL_TIME_ELAPSED); reference: 0
   int sample_count = 0;            // samples per pixel of a reference
   double noise = 0.0;              // noise of a reference (ReferenceSum::noise)
   int frame_count = 1;             // whole frames drawn for this picture
@@ -39,18 +39,18 @@ struct SceneObject {
   Brdf brdf;  // replaces the scene's BRDF
 };
 
-/// A compiled shader, and the uniforms of it that the driver kept.
+/// A compiled shader, and its uniforms that the driver did not remove.
 struct ShaderVariant {
   std::vector<std::string> flags;
   std::string fragment;  // the flags as #define, then every text
   std::vector<std::string> uniforms;
 };
 
-/// Returns the fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
+/// Returns the fragment shader of a material, a BRDF and lights: every text only once, and the flags of all parts.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
 constexpr int kTimedFrames = 3;        // frames that Renderer::draw times, an odd number
-constexpr double kLongFrameMs = 10.0;  // a longer frame is timed once: some take seconds in software
+constexpr double kLongFrameMs = 10.0;  // longer frames are timed only once: some take seconds in software
 constexpr int kReferenceUnits = 1000;  // units of progress per reference picture
 
 class Renderer {

@@ -37,11 +37,11 @@ enum class EnvironmentMode {
 struct TextureFilter {
   int taps = kTapCountDefault;  // most trilinear lookups along the longer axis, 1 to kTapCountMax
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
-  bool shades_taps = kShadesTapsDefault;  // shades each tap separately; else averages the taps and shades once
-  bool is_drivers = false;                // uses the driver's own sampler instead: its anisotropy, no bias
+  bool shades_taps = kShadesTapsDefault;  // shades each tap separately; if false, averages the taps and shades once
+  bool is_drivers = false;                // uses the driver's own sampler instead, with its anisotropy and no bias
   int evaluations = 0;  // evaluations of the material per pixel, a power of two up to kEvaluationsMax; 0: by taps, as
                         // above; kEvaluationsOfLobes
-  bool is_turned = false;  // normals turn within a pixel, as on a mesh: shaders/scene.frag
+  bool is_turned = false;  // the geometry's normals turn within a pixel, as on a mesh: shaders/scene.frag
 };
 
 constexpr int kEvaluationsMax = 16;
@@ -66,7 +66,7 @@ struct RenderScene {
   glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit, the map's up direction; with +Z, the map's middle is at +Y
   float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise seen from above
   Brdf brdf;
-  std::shared_ptr<const RoughnessMap> roughness;  // roughness of GGX under lights, times the BRDF's own; null: 1
+  std::shared_ptr<const RoughnessMap> roughness;  // factor of the BRDF's GGX roughness under lights; null: 1
   TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };

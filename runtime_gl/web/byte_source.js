@@ -5,8 +5,8 @@
 import { errorText } from "./error_text.js";
 
 const ATTEMPTS = 4;
-const FIRST_PAUSE_MS = 250; // doubles with each attempt
-const SILENCE_MS = 20000; // without a byte, the connection counts as cut
+const FIRST_PAUSE_MS = 250; // pause before a retry; doubles with each attempt
+const SILENCE_MS = 20000; // after this time without a byte, the connection counts as broken
 const BODY_BYTES_MAX = 2 ** 31; // limit for a body from a server without ranges
 
 export class FieldError extends Error {}

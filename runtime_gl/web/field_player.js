@@ -11,7 +11,7 @@ import { onNextFrame } from "./next_frame.js";
 import { PlayerGl, textureBytes } from "./player_gl.js";
 import { TextureStore } from "./texture_store.js";
 
-const REST_MS = 250; // after this time without movement, a picture is drawn as finely as the description says
+const REST_MS = 250; // after this time without movement, a picture is drawn with the description's quality
 const AHEAD_SHARE = 0.8; // share of the budget for textures that are decoded before they are needed
 const CORNERS_MAX = 4; // most samples that a picture mixes, because texture units are few
 
@@ -252,8 +252,8 @@ export class FieldPlayer {
     if (this.cancelFrame !== null) return;
     this.cancelFrame = onNextFrame((now) => {
       this.cancelFrame = null;
-      // Browsers accept some pictures ahead of a slow driver: these would be shown late and their times measured too
-      // short.
+      // Browsers accept some pictures before a slow driver has drawn them: such pictures would be shown late, and their
+      // measured times would be too short.
       if (this.gl.isBusy()) this.requestDraw();
       else this.drawNow(now);
     });
@@ -286,7 +286,7 @@ export class FieldPlayer {
       else isAllThere = false;
     }
     let entries = [...shares];
-    if (entries.length === 0 && !isAllThere) // keeps the last textures, which is better than nothing
+    if (entries.length === 0 && !isAllThere) // keeps the last textures, which is better than drawing none
       entries = (this.lastDrawn.get(layer)?.entries ?? []).filter(([key]) =>
         this.lastDrawn.get(layer).mapping === mapping && this.store.get(key));
     const sum = entries.reduce((total, [, weight]) => total + weight, 0);

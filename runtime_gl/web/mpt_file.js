@@ -86,7 +86,7 @@ export class MptFile {
 
   readSections(reader, offset) {
     const count = reader.number(INDEX_BYTES_MAX);
-    if (count > reader.bytes.length / 8) this.refuse("is damaged: its index has fewer sections than it says");
+    if (count > reader.bytes.length / 8) this.refuse("is damaged: its index contains fewer sections than it states");
     for (let i = 0; i < count; ++i) {
       const [kind, layer, block] = [0, 0, 0].map(() => reader.number(NUMBER_MAX));
       const section = { kind, layer, block, number: i, offset, length: reader.number(SECTION_BYTES_MAX) };
@@ -118,7 +118,7 @@ export class MptFile {
     const bytes = await this.section(this.description, "description");
     const reader = new NumberReader(bytes);
     const length = reader.number(TEXT_BYTES_MAX);
-    if (reader.isBroken) this.refuse("its description does not give its length");
+    if (reader.isBroken) this.refuse("its description does not state its length");
     const stream = new Blob([bytes.subarray(reader.at)]).stream().pipeThrough(new DecompressionStream("deflate"));
     const parts = [];
     let count = 0;

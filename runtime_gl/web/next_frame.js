@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws on time even in pages that nobody sees: a background tab gets no frames.
+// Draws on time even in hidden pages, because a background tab gets no frames.
 
-// Time to wait for a frame. A visible page gets its frame, late on a slow device; drawing earlier would only fill the
-// queue.
+// Time to wait for a frame. A visible page gets its frame, perhaps late on a slow device; drawing earlier would only
+// fill the queue.
 const HIDDEN_MS = 50;
 const SHOWN_MS = 1000;
 

@@ -3,7 +3,7 @@
 // when the user drags it.
 import { cameraParts, isEqual } from "./matrices.js";
 
-const STEP = 0.05; // share of a sample, for a slider's arrow keys
+const STEP = 0.05; // step of a slider's arrow keys, as a share of a sample
 const TURN_SHARE = 0.75; // share of the parameter for a drag across the whole picture
 
 const node = (name, attributes = {}, ...children) => {

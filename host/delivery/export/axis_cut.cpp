@@ -50,8 +50,8 @@ double find_axis_cut(const PlaneStore& normals) {
     normals.read_rows(row * kBlock, kBlock, {x.data(), y.data(), z.data()});
     for (std::size_t column = 0; column + kBlock <= width; column += kBlock) add_block(x, y, width, column, bins);
   }
-  // Each axis has a small influence at all angles, so that the minimum is in the middle of an empty range. Without any
-  // axis the cut points straight down and all axes point right.
+  // Each axis has a small influence at all angles, so the minimum is in the middle of an empty range. If there are no
+  // axes, the cut points straight down, and directions point right.
   double least = -1.0;
   int cut = kBinCount / 2;
   for (int i = 0; i < kBinCount; ++i) {

@@ -10,8 +10,8 @@
 
 namespace multum {
 
-/// Returns the angle, 0 to pi, with the fewest axes of the map. Axes are of blocks of 4 x 4 normals, weighted by their
-/// anisotropy.
+/// Returns the angle, 0 to pi, with the fewest axes of the map. Each axis belongs to a block of 4 x 4 normals and is
+/// weighted by the block's anisotropy.
 double find_axis_cut(const PlaneStore& normals);
 
 /// Returns the axis with the sign that puts it between `cut` and `cut` + pi.

@@ -30,7 +30,8 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
 /// Reads the lobes of single texels.
 class BakedLobes {
  public:
-  /// Throws Error(kInput) if the file has no vMF lobes, has roughness in them, or lacks one of `levels`.
+  /// Throws Error(kInput) if the file has no vMF lobes, if its lobes include roughness, or if one of `levels` is
+  /// missing.
   BakedLobes(const std::string& path, const std::vector<int>& levels);
 
   int width() const { return reader_.header().width(); }

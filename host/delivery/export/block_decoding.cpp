@@ -52,7 +52,7 @@ Indices take_indices(BitReader& bits, int bit_count, int other_anchor) {
 }
 
 struct Bc7Ends {
-  int channels[4][4];  // channel, then ends: of line 0, of line 1
+  int channels[4][4];  // [channel][endpoint], the endpoints of line 0, then of line 1
 };
 
 Bc7Ends take_ends(BitReader& bits, int end_count, int colour_bits, int alpha_bits) {

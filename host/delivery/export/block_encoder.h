@@ -23,8 +23,8 @@ class BlockEncoder {
   explicit BlockEncoder(Device& device) : device_(device) {}
 
   /// Encodes `texels`, row_count rows of `width` values from 0 to 1, as rows of blocks. Sides that are not multiples of
-  /// 4 are padded with the last texel. BC4 stores red, BC5 red and green, BC7 the channels of `colour`. Throws
-  /// Error(kEnvironment) if the device fails.
+  /// 4 are padded with the last texel. BC4 stores red, BC5 stores red and green, and BC7 stores the channels of
+  /// `colour`. Throws Error(kEnvironment) if the device fails.
   std::vector<std::uint8_t> encode(TexelFormat format, int width, int row_count, const std::vector<glm::vec4>& texels,
                                    BlockColour colour = BlockColour::kRgb);
 

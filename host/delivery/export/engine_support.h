@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names the engines that are known not to load an export's files. Some engines draw without the texture and report
-// nothing.
+// no error.
 #pragma once
 
 #include <string>

@@ -26,7 +26,7 @@ namespace multum {
 
 struct ExportJob {
   std::string input;  // a normal map, a height field, or NAME.ndf.exr, whose level 0 is the map
-  std::string lobes;  // a baked file of the map whose lobes are also measured; empty: `input` if it is a baked file
+  std::string lobes;  // baked file whose lobes are also measured; empty: `input` if it is a baked file
   std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty: none
   bool roughness_is_gloss = false;
   std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on
@@ -36,8 +36,8 @@ struct ExportJob {
   OneLobeSettings lobe;
   std::optional<MaterialForm> form;      // unset: one lobe
   Engine engine = Engine::kThree;        // engine whose pictures choose the form
-  std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
-  std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
+  std::optional<MaterialFormat> format;  // unset: chosen by the output's name, otherwise PNG
+  std::optional<MaterialTexels> texels;  // unset: half floats in EXR, otherwise RGBA8
   int zstd_level = 0;                    // Zstandard level of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed.
   // Store only roughness, instead of occlusion, roughness and metalness in one texture.
   bool has_roughness_alone = false;
@@ -51,7 +51,7 @@ struct ExportJob {
   // For data that does not fit in memory; empty: the output folder.
   std::string scratch_folder;
   int threads = 1;
-  bool force = false;  // manifests: also export what is in place
+  bool force = false;  // in manifests: also export maps whose files are up to date
   // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job.
   bool resume = false;
 };
@@ -85,7 +85,7 @@ struct ExportReport {
   std::vector<std::string> files;
   std::vector<std::string> engines_failing;  // host/delivery/export/engine_support.h
   std::string engine_line;                   // the same engines as text; empty: none
-  std::vector<std::string> side_warnings;    // readers that do not support these sides
+  std::vector<std::string> side_warnings;    // warnings about readers that do not support these sides
   std::optional<ChosenForm> form;            // only for MaterialForm::kAuto
   ExportAccuracy accuracy;
   std::map<std::string, std::uint64_t> launches;        // by kernel

@@ -37,7 +37,7 @@ Json fit_key(const ExportJob& job, const std::function<std::string(const std::st
   if (reading.tiles != nullptr) key["tile"] = reading.tile;
   if (job.surface == MapSurface::kInterpolated) key["surface"] = map_surface_name(job.surface);
   ExportJob made_of = job;
-  made_of.lobes.clear();  // lobes are only compared with
+  made_of.lobes.clear();  // lobes are used only for comparison
   for (const std::string& file : input_files(made_of)) key["inputs"].push_back(hash(file));
   // Adds the channel of each map.
   for (const std::string& named : {job.roughness, job.occlusion, job.metalness})

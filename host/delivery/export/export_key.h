@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists everything that an export's bytes depend on. The list tells whether existing files are of the same map and
-// settings.
+// Lists everything that an export's bytes depend on. The list shows whether existing files were made from the same map
+// and settings.
 #pragma once
 
 #include <functional>
@@ -11,10 +11,10 @@
 
 namespace multum {
 
-/// Returns everything that decides a fit: this program, the hashes of the files that it reads, and the lobe settings.
+/// Returns everything that determines a fit: this program, the hashes of its input files, and the lobe settings.
 nlohmann::json fit_key(const ExportJob& job, const std::function<std::string(const std::string&)>& hash);
 
-/// Returns everything that decides the bytes of the files. Throws Error(kInput) if a file cannot be read.
+/// Returns everything that determines the bytes of the files. Throws Error(kInput) if a file cannot be read.
 nlohmann::json export_key(const ExportJob& job);
 
 }  // namespace multum

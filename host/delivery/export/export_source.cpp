@@ -22,12 +22,12 @@ LobeMaterialFiles material_files_of(const ExportJob& job) {
   return files;
 }
 
-// Returns the lobes that are measured together with the export. If the input has no vMF lobes or begins at another
-// level, there are none. A file that the job names explicitly must have them.
+// Returns the lobes that are measured together with the export, or none if the input has no vMF lobes or begins at
+// another level. A file that the job names explicitly must contain such lobes.
 std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMapRows& map, InputHashes& hashes) {
   if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
   if (job.lobes.empty()) {
-    // The lobes are of the texels, not of the surface between them.
+    // The lobes describe the texels, not the surface between the texels.
     if (job.surface == MapSurface::kInterpolated) return nullptr;
     if (!representation_info(read_baked_header(job.input).representation).has_kappa) return nullptr;
     return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);

@@ -11,18 +11,18 @@ namespace multum {
 
 /// Returns the samples along a texel's side at this level, a power of two from 8 to 32. A texel has as many samples as
 /// it covers texels of the finest level, if all sides are even. Measured on five real maps at base roughness 0.1 and
-/// 0.25: 16 samples instead of 8 lower the mean error of level 2 by 0.4 points of 54, and 4 samples raise it by 5
-/// points. At level 6, 16 samples instead of 32 raise the error by 0.6 points of 65.
+/// 0.25: using 16 samples instead of 8 lowers the mean error of level 2 from 54 % by 0.4 points, and using 4 samples
+/// raises it by 5 points. At level 6, using 16 samples instead of 32 raises the error of 65 % by 0.6 points.
 int sample_grid(int level);
 
 /// Returns slopes of GGX facets of alpha 1 about their normal: grid * grid slopes, row by row. `grid`: a power of two
 /// from 1 to 64.
 ///
 /// Neighbours on the grid have very different facets. Every aligned square of 2 x 2, 4 x 4, ... samples covers the
-/// distribution evenly, because such a square covers one or a few finest texels. The slopes are points of a (0,
-/// 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient multidimensional sampling", section
-/// 3.1), mapped by tan theta = sqrt(u / (1 - u)). A scale of about 1 % makes the maximum-likelihood alpha of all slopes
-/// exactly 1: a texel with a single normal keeps its roughness.
+/// distribution evenly, because the samples of such a square are in one or a few finest texels. The slopes are points
+/// of a (0, 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient multidimensional sampling",
+/// section 3.1), mapped by tan theta = sqrt(u / (1 - u)). A scale of about 1 % makes the maximum-likelihood alpha of
+/// all slopes exactly 1: a texel with a single normal keeps its roughness.
 std::vector<glm::vec2> facet_samples(int grid);
 
 /// Returns the row or column of the finest level for sample `sample` of texel `texel`. The finest level is `fine`

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits a material and gives each level the form that pictures of simple shapes ask for
+// Fits a material and gives each level the form that pictures of simple shapes show to be best
 // (host/delivery/forms/material_forms.h): mean or fitted normals, with a share of the fitted roughness.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace multum {
 
 struct FormSettings {
   MaterialForm form = MaterialForm::kOneLobe;
-  Engine engine = Engine::kThree;  // engine whose pictures choose, for MaterialForm::kAuto
+  Engine engine = Engine::kThree;  // engine whose pictures choose the form, for MaterialForm::kAuto
   bool has_two_channels = false;   // textures store only x and y of normals: means are stored as unit vectors
   // Storage of levels 1 and coarser, which wait for their form in up to four stores each.
   SpillPolicy spill;

@@ -17,11 +17,11 @@
 namespace multum {
 
 struct Ktx2Key {
-  std::string key, value;  // stored after "KTXwriter", in byte order of the keys
+  std::string key, value;  // pairs stored after "KTXwriter", in byte order of the keys
 };
 
 struct Ktx2Settings {
-  std::string writer;   // name of the writing program, for people
+  std::string writer;   // human-readable name of the writing program
   std::string swizzle;  // sources of r, g, b, a in shaders: four of r, g, b, a, 0, 1; empty: as stored
   // Bytes of each level after Zstandard supercompression, level 0 first; empty: not supercompressed.
   std::vector<std::uint64_t> zstd_lengths;

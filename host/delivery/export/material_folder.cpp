@@ -184,7 +184,7 @@ std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, i
   const bool has_blocks = settings.texels == MaterialTexels::kBlocks || settings.texels == MaterialTexels::kUastc;
   if (has_blocks && (width % 4 != 0 || height % 4 != 0))
     warnings.push_back(sides +
-                       "Direct3D, and browsers that use Direct3D, refuse block-compressed textures unless their sides "
+                       "Direct3D, and browsers that use Direct3D, reject block-compressed textures unless their sides "
                        "are multiples of 4; resize the map first");
   return warnings;
 }

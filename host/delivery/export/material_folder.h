@@ -43,7 +43,7 @@ struct MaterialFolderSettings {
   int zstd_level = 0;
   bool has_roughness_alone = false;  // a texture of one channel, roughness or smoothness
   bool has_smoothness = false;       // instead of roughness: mask instead of orm
-  bool green_is_down = false;        // negate y of normals and directions
+  bool green_is_down = false;        // negate the y component of normals and directions
   UastcSettings uastc = {};          // of kUastc
 };
 
@@ -56,7 +56,7 @@ std::string texture_list(const MaterialFolderSettings& settings);
 /// Returns the files of a map of this size, in the order of textures and levels.
 std::vector<std::string> material_files(const MaterialFolderSettings& settings, int width, int height);
 
-/// Returns warnings for people: wrong behaviour of readers for files with these sides.
+/// Returns human-readable warnings about readers that handle files with these sides incorrectly.
 std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, int width, int height);
 
 /// Makes the files. `device` encodes blocks and must outlive the result. `stored` gets the rows as a reader finds them;

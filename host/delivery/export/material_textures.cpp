@@ -121,7 +121,7 @@ class TextureImages : public TextureFiles {
       }
     levels_[size_of(level)]->write_rows(row_count, codes.data());
   }
-  // Names the finest level last: a program that waits for this file then finds all others.
+  // Names the file of the finest level last, so that a program that waits for this file then finds all others.
   void finish() override {
     for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) (*level)->finish();
   }

@@ -55,8 +55,8 @@ void set_rows(TextureRole role, const MaterialFolderSettings& settings, const st
 class TextureFiles {
  public:
   virtual ~TextureFiles() = default;
-  /// Takes the next rows of a level, rounded; block formats need whole blocks, except for the level's last rows.
-  /// `texels` becomes the stored values.
+  /// Writes the next rounded rows of a level; block formats need whole blocks, except for the level's last rows.
+  /// Replaces `texels` by the stored values.
   virtual void write_rows(int level, int row_count, std::vector<glm::vec4>& texels) = 0;
   /// Encodes the levels of a whole-texture format, after all rows. Throws Error(kEnvironment), Cancelled.
   virtual void encode(Progress*) {}

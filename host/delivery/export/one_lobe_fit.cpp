@@ -23,8 +23,8 @@
 namespace multum {
 namespace {
 
-// Bytes of sample slopes that are fitted in one launch: the second-level cache of a processor's cores together, and
-// enough for a GPU.
+// Bytes of sample slopes that are fitted in one launch: they fit the second-level caches of all processor cores
+// together, and are enough for a GPU.
 constexpr std::size_t kSlopeBytes = std::size_t{4} << 20;
 
 // Copied averages of some rows of a level. A fit cannot be launched while the averages are handed over.
@@ -255,7 +255,8 @@ class OneLobePlanes : public AveragedPlanes {
   // Returns the map's own normals with the base roughness.
   MaterialRows finest_rows(const WaitingRows& rows) const {
     MaterialRows made = empty_rows(rows);
-    // Points along the middle of the half plane of directions, so that filtering towards level 1 reverses no axis.
+    // Without an axis, points along the middle of the half plane of directions, so that filtering towards level 1
+    // reverses no axis.
     const glm::vec3 no_axis(-std::sin(axis_cut_), std::cos(axis_cut_), 0.0);
     const auto base =
         static_cast<float>(std::sqrt(std::max(kAlphaMin, settings_.base_roughness * settings_.base_roughness)));

@@ -20,8 +20,9 @@ struct OneLobeSettings {
   bool is_anisotropic = false;
   bool is_fast = false;         // use only the closed form
   double base_roughness = 0.5;  // perceptual, 0..1, used without a roughness map
-  // EM steps, 1..100. Measured on five real maps at base roughness 0.1 and 0.25: the mean error of levels 2, 4 and 6 is
-  // within 0.5 % (relative) of the error of 8 steps. The darkest cells of re_floor03_n at 0.1 differ by 2 %.
+  // EM steps, 1..100. Measured on five real maps at base roughness 0.1 and 0.25: the mean error of levels 2, 4 and 6
+  // differs by at most 0.5 % (relative) from the error with 8 steps. The error of the darkest cells of re_floor03_n at
+  // roughness 0.1 differs by 2 %.
   int iteration_count = 5;
 };
 
@@ -47,7 +48,7 @@ struct OneLobeReport {
   double axis_cut = 0.0;  // angle at which axes change their sign, radians
 };
 
-/// The smallest exported alpha. Highlights of smoother lobes are narrower than any light.
+/// The smallest exported alpha. Highlights of smoother lobes would be narrower than any light.
 constexpr double kAlphaMin = 1e-3;
 
 /// Throws Error(kUsage) for settings out of range.

@@ -120,8 +120,8 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// Collects levels in a scratch file, since the file stores the smallest level first and compressed sizes are known
-// last.
+// Collects levels in a scratch file, because the file stores the smallest level first, and compressed sizes are known
+// only at the end.
 class ZstdKtx2File : public TextureFile {
  public:
   ZstdKtx2File(const std::string& path, const LeveledTexture& texture, const Ktx2Choice& choice)

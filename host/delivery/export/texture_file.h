@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// A file that appears complete or not at all. Every function throws Error(kEnvironment) if writing fails.
+/// A texture file that appears complete or not at all. Every function throws Error(kEnvironment) if writing fails.
 class TextureFile {
  public:
   virtual ~TextureFile() = default;

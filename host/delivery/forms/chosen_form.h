@@ -19,7 +19,7 @@ struct ChosenForm {
   std::vector<FormView> views;
   std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; of 4 evaluations "points_4", "lobes_4"; in
                                             // colour "mean_colour_4", "lobe_colours_4"
-  bool is_on_sphere = false;                // because no mesh could be drawn
+  bool is_on_sphere = false;                // drawn on a sphere because no mesh could be drawn
 
   /// Returns text such as "at 12 m plain 13.1 %, one lobe 12.9 %; with 4 evaluations points 11.0 %, lobes 10.9 %:
   /// fitted normals and roughness, with lobes". `has_own_maps`: parts that are not chosen keep the material's own maps.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes how engines look up a material's textures, and how engines raise roughness where normals change from pixel
-// to pixel.
+// Describes how engines look up a material's textures, and how they raise roughness where normals change from pixel to
+// pixel.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -13,10 +13,10 @@ struct EngineFilter {
   /// The roughness term for changes of the normal between pixels.
   enum class Term {
     kNone,
-    kChange,         // three.js: adds the largest change of a component to perceptual roughness
+    kChange,         // three.js: adds the largest change of any component to perceptual roughness
     kVariance,       // Filament: adds twice the `variance` of both changes, up to `limit`, to alpha^2
     kPerceptual,     // Godot: adds the same amount to the square of perceptual roughness
-    kGreaterChange,  // Babylon.js: takes the greater change c. The least roughness under lights is cbrt(c^2);
+    kGreaterChange,  // Babylon.js: uses the greater change c. The least roughness under lights is cbrt(c^2);
                      // 3/4 of c is added to the alpha of reflections
   };
   int anisotropy_max = 1;

@@ -22,7 +22,7 @@ struct FormSurface {
   double roughness = 1.0;  // perceptual
   double metalness = 0.0;
   double colour = 0.5;  // base colour
-  // Roughness for reflections of the room, if the engine uses another one.
+  // Roughness for reflections of the room, if the engine uses a different one.
   std::optional<double> room_roughness = std::nullopt;
 };
 
@@ -32,7 +32,7 @@ FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, co
 FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const glm::dvec3& view);
 
 /// Returns the roughness that @multum/three uses where the geometry's normal changes from pixel to pixel. It adds the
-/// variance of slopes that a box of one pixel sees (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019).
+/// variance of slopes within a box of one pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019).
 double roughness_of_variance(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y);
 
 }  // namespace multum

@@ -33,7 +33,7 @@ class LobeLevels {
   glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
   /// Returns all lobes, (a r, a).
   std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;
-  /// Returns for each lobe the luminance of its colour times a. The file must have colours.
+  /// Returns `a` times the luminance of the colour for each lobe. The file must have colours.
   std::vector<double> luminances(const glm::dvec2& place, double level) const;
   /// Returns the luminance of the lobe that is nearest to a unit normal of the map, in the finest loaded texel at the
   /// place. Level 1 has one lobe for each normal that it covers.

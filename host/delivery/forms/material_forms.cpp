@@ -64,8 +64,8 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
     for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)]);
   });
-  // The relative L1 error is the sum of differences over the sum of references, for all pixels of a view; then the mean
-  // over lights.
+  // The relative L1 error is the sum of differences divided by the sum of references, over all pixels of a view; the
+  // result is its mean over lights.
   std::vector<FormLight> wholes(views_.size());
   for (const Measured& at : pixels_)
     for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += at.reference[l];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the possible forms of a material's normals in a model by their errors in pictures, drawn as engines draw
-// them. Chooses the cheapest form whose error is within a fifth of a point of the least error.
+// them. Chooses the cheapest form whose error exceeds the least error by at most a fifth of a percentage point.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace multum {
 
-/// Textures of a material with levels of one size. Every material has `normals`, and roughness or the surface's
-/// channels as shares.
+/// Textures of a material, whose levels have the same sizes. Every material has `normals`, and roughness or the
+/// surface's channels as shares.
 struct FormTextures {
   const SharesTexture* averages = nullptr;  // mean normals, rounded like a mip of the map; alpha: mean roughness
   const SharesTexture* normals = nullptr;   // of fitted lobes
@@ -52,7 +52,7 @@ struct NormalForm {
   bool has_fitted_normals() const;
 };
 
-/// Pictures that share one error number: of one distance, and without a model also of one simple shape.
+/// Pictures that share one error number: they show one distance, and without a model also one simple shape.
 struct FormView {
   double distance = 0.0;
   std::string shape;  // ModelPicture::shape
@@ -68,7 +68,7 @@ struct FormError {
 
 struct FormMeterSettings {
   Engine engine = Engine::kThree;  // engine of normals() and improve()
-  bool has_points = true;          // points() and lobes() are needed
+  bool has_points = true;          // whether points() and lobes() are needed
   int threads = 1;
 };
 
@@ -84,7 +84,7 @@ class FormMeter {
   /// Returns the error with one evaluation per pixel, as the engine draws.
   FormError normals(const NormalForm& form) const;
   /// Changes one level after the other so that the mean error drops most, while the error of each view stays below
-  /// `limits`. Levels that are too coarse for all but a few pixels follow the last level before them.
+  /// `limits`. Levels that only a few pixels use get the form of the last level before them.
   void improve(NormalForm& form, const std::vector<double>& limits) const;
   /// Returns the error from the references' own sampling, estimated from two halves of the samples.
   FormError noise() const;
@@ -100,7 +100,7 @@ class FormMeter {
   Coloured coloured_lobes(const LobeLevels& lobes, const NormalForm& form) const;
 
  private:
-  struct LookedLevel {  // values of all textures in one level
+  struct LookedLevel {  // values that a lookup returns, of all textures in one level
     glm::dvec3 averaged{0.0, 0.0, 1.0}, fitted{0.0, 0.0, 1.0};
     double rough = 1.0, fitted_rough = 1.0;
 
@@ -118,8 +118,8 @@ class FormMeter {
     std::size_t view;  // in views_
     FormLight reference, noise;
     FormLight weights;           // weights of differences in the error, percent
-    Looked middle;               // the pixel's middle as the engine reads it
-    std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness depends on them
+    Looked middle;               // the values at the pixel's middle as the engine reads them
+    std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness uses them
     std::vector<Looked> points;  // at 2 x 2 points
   };
   // Grey base colours of a pixel.
@@ -168,8 +168,9 @@ struct ChosenNormalForm {
 ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept);
 
 constexpr double kFormGain = 0.2;  // points, or
-// Share of the error; the larger gain counts. Pictures differ from an engine's pictures by about this share.
+// Least gain as a share of the error; the larger of the two gains counts. Our pictures differ from an engine's pictures
+// by about this share.
 constexpr double kFormGainShare = 0.05;
-constexpr double kFormTolerance = 0.1;  // points, for each view
+constexpr double kFormTolerance = 0.1;  // percentage points, for each view
 
 }  // namespace multum

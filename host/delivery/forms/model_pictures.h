@@ -2,7 +2,7 @@
 // Samples small pictures of a model at some of their pixels. For each pixel it finds the surface under the middle, as a
 // renderer shades it, and the surface under many samples, as the reference shades it. A visibility buffer holds the
 // nearest triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances,
-// as large as a person sees it.
+// at the size that a viewer sees.
 #pragma once
 
 #include <cstddef>
@@ -59,7 +59,7 @@ class ModelPictures {
   ModelPictures(const ModelPictures&) = delete;
   ModelPictures& operator=(const ModelPictures&) = delete;
 
-  /// Returns pixels that the surface covers by at least half, in every picture that has such pixels. At most
+  /// Returns pixels of which the surface covers at least half, for every picture that has such pixels. At most
   /// `pixel_max` pixels per picture are evenly chosen.
   std::vector<ModelPicture> of(const PicturedSurface& surface, std::size_t pixel_max) const;
 

@@ -40,7 +40,7 @@ class EvenNumbers {
   double index_, power_ = 1.0;
 };
 
-// The viewing direction of a pixel. As for models, directions are all around and slightly from above.
+// The viewing direction of a pixel. As for models, the directions are all around the shape and slightly from above.
 struct Side {
   glm::dvec3 towards_eye{0.0, 0.0, 1.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
   double pixel = 1.0;  // texels

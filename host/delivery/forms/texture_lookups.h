@@ -26,7 +26,7 @@ struct TextureFrame {
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
 };
 
-/// The levels of a texture; channels are shares, 0 to 1.
+/// The levels of a texture, whose channels are shares from 0 to 1.
 class SharesTexture {
  public:
   explicit SharesTexture(const TextureFrame& frame) : frame_(frame) {}
@@ -54,14 +54,15 @@ glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& pl
          v * ((1.0 - u) * texture.texel(level, left, below) + u * texture.texel(level, right, below));
 }
 
-/// Places and levels whose mean is a pixel's value. One set serves all textures of a size.
+/// Places and levels; the mean of their values is a pixel's value. All textures of one size use the same places and
+/// levels.
 struct PixelTaps {
   std::array<int, 2> levels{};  // finer, coarser
   double coarser_share = 0.0;
   std::vector<glm::dvec2> places;
 
   /// Chooses taps like the samplers of engines. `along_x`, `along_y`: change of the place from pixel to pixel. `bias`:
-  /// octaves that are added to the level; it moves no tap.
+  /// octaves that are added to the level; it does not move taps.
   static PixelTaps of(const glm::dvec2& place, const glm::dvec2& along_x, const glm::dvec2& along_y,
                       const TextureFrame& frame, int anisotropy_max, double bias);
 

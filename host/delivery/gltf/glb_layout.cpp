@@ -183,7 +183,7 @@ class GlbLayout {
       }
       range.begin = std::max(range.begin, one.end);
     }
-    claimed[buffer].push_back(range);  // two views of one range are cut once
+    claimed[buffer].push_back(range);  // cuts a range that two views share only once
   }
 
   void move_references(GltfJson& value, const std::string& key) {
@@ -233,7 +233,7 @@ class GlbLayout {
   GltfJson& json_;
   const ViewContents& contents_;
   std::vector<BufferPlace> places_;
-  bool has_bytes_ = false;              // there is a merged buffer
+  bool has_bytes_ = false;              // whether there is a merged buffer
   GltfJson head_ = GltfJson::object();  // its object
   std::map<std::size_t, std::uint64_t> offsets_;
   std::uint64_t length_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rewrites the bytes of a glTF file as one GLB: the existing bytes except for unreferenced ones, and new contents of
-// buffer views. Offsets move by multiples of 16, so that aligned data stays aligned.
+// Rewrites the bytes of a glTF file as one GLB, which contains all referenced bytes and new contents of buffer views.
+// Offsets move by multiples of 16, so that aligned data stays aligned.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a glTF 2.0 or GLB file with all its contents and referenced files, for programs that write the file again. JSON
 // keys keep their order; the bytes of buffers and images are loaded. Damaged files and references out of range are
-// refused before anything else happens.
+// rejected before any other work.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ struct GltfAsset {
 };
 
 /// Limits of the JSON: text bytes, number of values and depth. They allow all practical models, and limit the memory
-/// for a small malicious file to a few gigabytes.
+/// that a small malicious file can use to a few gigabytes.
 constexpr std::size_t kGltfJsonBytesMax = std::size_t{64} << 20;
 constexpr std::size_t kGltfValuesMax = 8'000'000;
 constexpr int kGltfDepthMax = 64;

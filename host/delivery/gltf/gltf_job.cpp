@@ -28,7 +28,7 @@
 namespace multum {
 namespace {
 
-constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: of pixelWidth and pixelHeight
+constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: pixelWidth and pixelHeight are multiples
 
 // Returns the files of the model, the named file first.
 std::vector<std::string> input_files(const GltfAsset& asset) {
@@ -119,7 +119,7 @@ class GltfConversion {
 
  private:
   bool has_uastc() const { return format_ == GltfTextureFormat::kUastc || format_ == GltfTextureFormat::kAuto; }
-  // Falls back to RGBA8 if nobody asked for UASTC or named an encoder, so that the first call on a machine works.
+  // Falls back to RGBA8 if the user did not select UASTC or name an encoder, so that the first call on a machine works.
   void find_encoder() {
     try {
       check_uastc_encoder(uastc());
@@ -197,7 +197,7 @@ class GltfConversion {
     return report_.forms[material.source].to_text(true);
   }
 
-  // One bad map does not stop the fits of the others. If there are no others, the job fails.
+  // One bad map does not stop the fits of the other maps. If there are no other maps, the job fails.
   void warn_of_bad(const GltfPlan& plan) {
     for (const MaterialPlan& material : plan.materials) {
       if (!material.is_bad) continue;
@@ -250,7 +250,7 @@ class GltfConversion {
     return form;
   }
 
-  // Returns no textures if the material keeps its own ones; `source` then has the reason.
+  // Returns no textures if the material keeps its own; `source` then gives the reason.
   SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
     SourceTextures made;
     std::optional<FittedSource> found = fit(asset, source, number);
@@ -276,7 +276,7 @@ class GltfConversion {
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
     if (fitted.averages != nullptr) apply_normal_form(form.normals, fitted);
     progress_stage(progress_, "encode");
-    // Lobes include the normal scale, so the normal map must include it too.
+    // Lobes include the normal scale, so the normal map must also include the scale.
     if (form.normals.has_fitted_normals() || source.source.normal_scale != 1.0)
       made.normal = encode(fitted, fitted.normal, source, "normal");
     else progress_advance(progress_, source.texel_count());
@@ -310,7 +310,7 @@ class GltfConversion {
     if (!path.empty()) std::filesystem::remove(path, ignored);
   }
 
-  // Encodes `levels`, and measures how much their storage adds to the light's error. The source's other texture is
+  // Encodes `levels`, and measures how much their storage raises the error of the light. The source's other texture is
   // exact.
   std::optional<EncodedTexture> encode(const FittedSource& fitted, const std::unique_ptr<LevelFile>& levels,
                                        const PreparedSource& source, const char* name) {
@@ -334,7 +334,7 @@ class GltfConversion {
   }
 
   const GltfJob& job_;
-  GltfTextureFormat format_ = job_.format;  // that is written; without an encoder kAuto becomes kRgba8
+  GltfTextureFormat format_ = job_.format;  // the written format; without an encoder kAuto becomes kRgba8
   Device& device_;
   const DeviceCounts counts_;
   Progress* const progress_;

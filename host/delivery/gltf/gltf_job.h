@@ -28,9 +28,9 @@ struct GltfJob {
   bool is_anisotropic = false;
   MaterialForm form = MaterialForm::kAuto;  // of all materials
   Engine engine = Engine::kThree;           // engine whose pictures choose the form
-  // Add MULTUM_lobes; with MaterialForm::kAuto only if the lobes' error is lower.
+  // Add MULTUM_lobes; with MaterialForm::kAuto only if lobes have the lower error.
   bool has_lobes = false;
-  std::optional<LobeTexels> lobe_texels;  // unset: as `format` says; only with lobes
+  std::optional<LobeTexels> lobe_texels;  // only with lobes; unset: chosen by `format`
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;  // surface that levels 1 and coarser are fitted to
   std::optional<ZRange> z_range;             // z range of all normal maps; unset: from statistics

@@ -25,7 +25,7 @@ struct ImageKey {
 // A reference to a new texture.
 struct TextureRequest {
   GltfJson::json_pointer info;  // the object with its "index"
-  std::size_t old_texture = 0;  // its sampler and name are kept
+  std::size_t old_texture = 0;  // the texture whose sampler and name are kept
   bool replaces = true;         // replaces the old texture at this reference
   ImageKey image;
 };
@@ -67,7 +67,7 @@ class GltfRewriter {
     const MaterialPlan& plan = plan_.materials[number];
     const LobeSource& source = plan_.sources[plan.source];
     const SourceTextures& textures = sources_[plan.source];
-    // First, because adding lobes moves `materials`.
+    // Adds lobes first, because this moves `materials`.
     const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;
     GltfJson& material = made_.json["materials"][number];
     const GltfJson::json_pointer place("/materials/" + std::to_string(number));
@@ -76,7 +76,7 @@ class GltfRewriter {
     GltfJson& normal = material["normalTexture"];
     const auto normal_texture = normal.at("index").get<std::size_t>();
     if (textures.normal && source.normal_scale != 1.0) normal.erase("scale");
-    // The texture info for a new kind of texture: coordinates as for the normal texture.
+    // The texture info of a new kind of texture has the same coordinates as the normal texture.
     GltfJson beside = {{"index", normal_texture}};
     if (normal.contains("texCoord")) beside["texCoord"] = normal["texCoord"];
     if (normal.contains("extensions") && normal["extensions"].contains("KHR_texture_transform"))
@@ -146,7 +146,7 @@ class GltfRewriter {
     if (replaces) ++replaced_[old_texture];
   }
 
-  // Returns whether the old texture is not used any more.
+  // Returns whether the old texture is no longer used.
   bool is_free(std::size_t texture) const {
     const auto found = replaced_.find(texture);
     return found != replaced_.end() && before_.texture_uses(texture) == found->second;
@@ -171,7 +171,7 @@ class GltfRewriter {
       made_.json[request.info]["index"] = at;
       instead_.emplace(request.old_texture, at);
     }
-    // A replaced texture that is not used any more becomes a copy of its replacement.
+    // A replaced texture that is no longer used becomes a copy of its replacement.
     for (const auto& [texture, at] : instead_)
       if (is_free(texture) && !new_textures_.contains(texture)) {
         array("textures")[texture] = GltfJson(array("textures")[at]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes fitted textures into the JSON of a glTF file. Objects that nothing else uses are replaced in place; everything
-// else is appended. Indices do not change, and unknown data is not touched.
+// else is appended. Indices and unknown data do not change.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// The new textures of a LobeSource. Empty ones stay unchanged.
+/// The new textures of a LobeSource. If a member is empty, the old texture is kept.
 struct SourceTextures {
   std::optional<EncodedTexture> normal, surface, anisotropy;
   std::optional<EncodedTexture> lobes, lobe_colours;  // for MULTUM_lobes

@@ -13,7 +13,7 @@ namespace multum {
 
 struct GltfUses {
   std::map<std::uint64_t, int> textures, images, views;  // uses by index, in glTF itself and in known extensions
-  // All integers in unknown extensions: each may be an index of anything.
+  // All integers in unknown extensions, because each may be an index.
   std::set<std::uint64_t> unknown;
 
   int texture_uses(std::uint64_t index) const { return uses(textures, index); }
@@ -27,7 +27,7 @@ struct GltfUses {
   }
 };
 
-/// Ignores extras, which belong to specific programs.
+/// Counts the uses. Ignores "extras", which belong to specific programs.
 GltfUses gltf_uses(const GltfJson& json);
 
 /// Returns whether a texture extension names another image for the texture.

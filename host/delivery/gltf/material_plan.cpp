@@ -15,7 +15,7 @@ namespace {
 
 struct TextureUse {
   std::size_t texture = 0;
-  std::optional<std::size_t> image;  // only if it can be decoded
+  std::optional<std::size_t> image;  // the image, if it can be decoded
   std::array<WrapMode, 2> wrap{};
   TextureCoordinates coordinates;
 };
@@ -199,7 +199,7 @@ class Planner {
     return "";
   }
 
-  // Returns the base colour image, if it covers the same texels as the normals. Errors in this image are ignored.
+  // Returns the base colour image, if it covers the same texels as the normals. Ignores errors in this image.
   std::optional<std::size_t> colour_image(const GltfJson& surface, std::size_t number, const TextureUse& normal) const {
     try {
       const std::optional<TextureUse> colour = texture_at(surface, "baseColorTexture");

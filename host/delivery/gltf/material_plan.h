@@ -20,7 +20,7 @@ namespace multum {
 /// Inputs of one fit. Materials with equal inputs share the resulting textures.
 struct LobeSource {
   std::size_t normal_image = 0;
-  std::optional<std::size_t> surface_image;  // metallic-roughness; none: roughness_factor everywhere
+  std::optional<std::size_t> surface_image;  // metallic-roughness image; none: roughness_factor applies everywhere
   // Wrap modes of both images, beyond their borders.
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
   double normal_scale = 1.0;      // of x and y
@@ -48,12 +48,12 @@ struct MaterialPlan {
   TextureCoordinates coordinates;  // coordinates of the fitted textures
   std::vector<std::string> notes;
   bool is_bad = false;    // `kept` is a fault of the model and causes a warning
-  bool is_plain = false;  // `kept` says that its own mips are as good: a trilinear filter reads them
+  bool is_plain = false;  // `kept` says that the own mips are as good: a trilinear filter reads them
 };
 
 struct GltfPlan {
   std::vector<LobeSource> sources;
-  // By source: the base colour image over the same texels, if all materials of the source share it.
+  // By source: the base colour image over the same texels, if all materials of the source use the same image.
   std::vector<std::optional<std::size_t>> colour_images;
   std::vector<MaterialPlan> materials;  // by index
 };

@@ -162,7 +162,7 @@ class LevelSink : public MaterialSink {
 
   FittedSource& files_;
   const bool carries_occlusion_;
-  bool is_one_ = true;  // so far, the surface is 1 everywhere
+  bool is_one_ = true;  // whether all values of the surface so far are 1
 };
 
 // Returns whether two normal codes have the same direction up to rounding. Their lengths may differ.
@@ -287,8 +287,8 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
     is_surface_whole = surface.first >= normal.first && surface.second >= normal.second;
     largest = {std::max(normal.first, surface.first), std::max(normal.second, surface.second)};
     const auto texels = [](const std::pair<int, int>& size) { return std::int64_t{size.first} * size.second; };
-    // A common size of up to four times the larger image is accepted: then one side differs. A larger common size means
-    // that the images were not made for each other, and neither image has this size.
+    // A common size of up to four times the larger image is accepted; then only one side differs. If the common size is
+    // larger, the images were not made for each other.
     if (texels(largest) > 4 * std::max(texels(normal), texels(surface)))
       made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
                               normal.second, surface.first, surface.second);

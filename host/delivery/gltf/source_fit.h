@@ -40,9 +40,9 @@ struct PreparedSource {
   std::string normal_file, surface_file;  // in the folder
   std::string colour_file;                // image of the normals' size; empty: none
   int width = 0, height = 0;              // of the textures
-  std::string kept;                       // reason that it is not fitted; empty: it is fitted
+  std::string kept;                       // why the source is not fitted; empty: it is fitted
   bool is_bad = false;                    // the reason is a fault of an image
-  bool is_plain = false;                  // the reason is that its own mips are as good
+  bool is_plain = false;                  // the reason is that the own mips are as good
   std::vector<std::string> notes;
   // Level 0 of the texture is the unchanged image of the file, in a format that all of glTF supports.
   bool normal_is_original = false, surface_is_original = false;
@@ -80,10 +80,10 @@ void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSetti
 /// kInput.
 std::string why_kept(const GltfAsset& asset, const Error& error);
 
-/// Fitted textures by content; null: none.
+/// The fitted textures; null: no such texture.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
-  // The mips that a renderer makes of level 0: normals, with roughness in alpha. Null if `anisotropy` is set.
+  // The mips that a renderer makes from level 0: normals, with roughness in alpha. Null if `anisotropy` is set.
   std::unique_ptr<LevelFile> averages;
 };
 

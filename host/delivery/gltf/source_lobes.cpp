@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-constexpr int kLobeZstdLevel = 12;  // equal to the level for UASTC
+constexpr int kLobeZstdLevel = 12;  // the same level as for UASTC
 
 // Returns the error of the worst level.
 double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const LobeSurface& surface) {
@@ -30,7 +30,7 @@ double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const Lo
   return lobe_storage_error(levels_of(exact), levels_of(stored), surface).error;
 }
 
-// Keeps a bake of an image that is already reported from reporting it again, by its name in the work folder.
+// Prevents a bake from reporting an image again, under its name in the work folder, if the image was reported before.
 class QuietBake {
  public:
   QuietBake() : level_(log_level()) { set_log_level(LogLevel::kQuiet); }

@@ -16,8 +16,8 @@
 namespace multum {
 
 struct SourceLobeSettings {
-  std::optional<LobeTexels> texels;  // unset: blocks, or RGBA8 if blocks add kStorageErrorMax or more
-  LobeSurface surface;               // under the lobes, for the storage error
+  std::optional<LobeTexels> texels;  // unset: blocks, or RGBA8 if blocks raise the error by kStorageErrorMax or more
+  LobeSurface surface;               // the surface under the lobes, for the storage error
 };
 
 /// Bakes a file of the map's own size, whatever size the fitted textures have, and returns its path. Names files by

@@ -36,7 +36,7 @@ FallbackImage write_png(const LevelFile& levels) {
 
 using LevelBlocks = std::vector<std::vector<std::uint8_t>>;
 
-// `blocks`: of all levels; empty: store the texels themselves.
+// `blocks`: the blocks of all levels; empty: stores the texels themselves.
 EncodedTexture write_ktx2(const LevelFile& levels, GltfTextureFormat format, int zstd_level, LevelBlocks blocks) {
   const std::string path = levels.path() + ".ktx2";
   const TexelFormat texels = format == GltfTextureFormat::kUastc ? TexelFormat::kUastc : TexelFormat::kRgba8;
@@ -73,8 +73,8 @@ UastcTrial encode_and_measure(const LevelFile& levels, const UastcSettings& uast
   return made;
 }
 
-// Choosing blocks by angle lowers angle errors by 3 to 20 %, and takes two to three times as long. It is used where the
-// result may decide the format, and for explicitly requested UASTC.
+// Choosing blocks by angle lowers angle errors by 3 to 20 %, and takes two to three times as long. It is used if the
+// result can change the format, and for explicitly requested UASTC.
 constexpr double kWorthChoosing = 2.0 * kStorageErrorMax;
 
 UastcTrial try_uastc(const LevelFile& levels, const TextureEncoding& how, Progress* progress) {

@@ -15,7 +15,7 @@ namespace multum {
 
 /// A plain image of level 0, for loaders that cannot read the texture.
 struct FallbackImage {
-  std::string file;  // PNG; empty: the source image has the same texels
+  std::string file;  // PNG file; empty: the source image has the same texels
   std::uint64_t byte_count = 0;
 };
 
@@ -23,20 +23,21 @@ struct EncodedTexture {
   std::string file;
   std::string type;  // "image/ktx2"
   std::uint64_t byte_count = 0;
-  std::string format = {};     // "uastc", as choices and reports name it; of lobes "bc"
+  std::string format = {};     // name in choices and reports, such as "uastc"; of lobes "bc"
   double storage_error = 0.0;  // increase of the light's relative L1 error by the format, at the worst level
   double refused_error = 0.0;  // increase that rejected blocks would have caused
   std::string refused_format = "uastc";
   std::optional<FallbackImage> fallback = {};
 };
 
-/// The largest error that blocks may add, unless the user chose a format. Above it, 8 bits per channel are stored.
+/// The largest error that blocks may add, unless the user chose a format. If the error is larger, 8 bits per channel
+/// are stored.
 constexpr double kStorageErrorMax = 0.003;
 
 struct TextureEncoding {
   GltfTextureFormat format = GltfTextureFormat::kAuto;
   bool has_fallback = false;  // for every format
-  bool is_original = false;   // level 0 is the unchanged image of the file, which is the fallback
+  bool is_original = false;   // level 0 is the unchanged image of the file; that image is the fallback
   UastcSettings uastc;
   // Compares the material's light with `decoded` levels to the light with the texture's own levels.
   std::function<StorageError(const LevelFile& decoded)> measure;

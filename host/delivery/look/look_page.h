@@ -12,8 +12,8 @@
 
 namespace multum {
 
-constexpr int kLookSideMax = 2048;  // per map: the browser holds a whole map and its averaged normals as floats
-// Limit for all maps together: 150 MB of page.
+constexpr int kLookSideMax = 2048;  // limit per map: browsers hold the whole map and its averaged normals as floats
+// Limit for all maps together: the page then has 150 MB.
 constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;
 
 struct LookMap {
@@ -25,7 +25,7 @@ struct LookJob {
   std::vector<LookMap> maps;    // at least one; the page lets the user choose
   std::string output;           // *.html
   double base_roughness = 0.3;  // perceptual, 0.05..1
-  bool same_source = false;     // refuse a source that is not the baked file
+  bool same_source = false;     // fail if a source is not the file that was baked
   int threads = 1;
 };
 

@@ -17,9 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// On SIGTERM, multum stops and leaves files that --resume continues.
+// On SIGTERM, multum stops and leaves files from which --resume continues.
 constexpr int kNoticeSeconds = 30;
-// Work that a farm gives to one process: starting a process, with its OpenCL programs, takes a second or less.
+// Duration of the work that a farm gives to one process; starting a process, with its OpenCL programs, takes a second
+// or less.
 constexpr int kChunkSeconds = 60;
 
 std::string absolute(const std::string& path) {
@@ -115,7 +116,7 @@ FarmJson steps_of(const FarmCommand& command) {
       {step(command, "Coarse", {"--shard", fmt::format("0/{}", command.shards)}), bands, merge_step(command, "Bands")});
 }
 
-// Files of sets and scenes that no word names are only in the asset references.
+// Files of sets and scenes that are not on the command line appear only in the asset references.
 void check_texts(const FarmJson& value) {
   if (value.is_string()) return check_openjd_text(value.get<std::string>(), value.get<std::string>());
   for (const FarmJson& own : value) check_texts(own);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a command line of multum as a job bundle of Open Job Description, which render farms read: AWS Deadline Cloud,
-// OpenCue, the project's own openjd-cli. github.com/OpenJobDescription/openjd-specifications: "Template Schemas",
-// 2023-09, and RFC 0001, TASK_CHUNKING.
+// Writes a command line of multum as a job bundle of Open Job Description. Render farms read such bundles: AWS Deadline
+// Cloud, OpenCue, the openjd-cli of the Open Job Description project.
+// github.com/OpenJobDescription/openjd-specifications: "Template Schemas", 2023-09, and RFC 0001, TASK_CHUNKING.
 //
 //   FOLDER/
 //     template.yaml           the job: its parameters, one step, one task per share of the maps
@@ -23,7 +23,7 @@ struct FarmWord {
 };
 
 struct FarmCommand {
-  std::string name;                                // name of the job, for people
+  std::string name;                                // human-readable name of the job
   std::vector<std::string> words;                  // behind `multum`
   std::vector<FarmWord> paths;                     // files and folders, in the order of the words
   std::vector<std::string> inputs, input_folders;  // all inputs, whether the words name them or not
@@ -36,7 +36,7 @@ struct FarmCommand {
 
 using FarmJson = nlohmann::ordered_json;
 
-/// Turns each path in the words into a parameter of type PATH, so that a farm may put files elsewhere.
+/// Turns each path in the words into a parameter of type PATH, so that a farm can put files elsewhere.
 FarmJson openjd_template(const FarmCommand& command);
 FarmJson openjd_parameter_values(const FarmCommand& command);
 FarmJson openjd_asset_references(const FarmCommand& command);

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Each with its section of the specification. Lengths are in Unicode characters.
+// Limits, each with its section of the specification. Lengths are in Unicode characters.
 constexpr std::size_t kJobNameMax = 128;         // 1.1.1
 constexpr std::size_t kExtensionNameMax = 128;   // 1.1.2, and at least 3
 constexpr std::size_t kValueMax = 1024;          // 2.5
@@ -36,7 +36,7 @@ constexpr std::size_t kDescriptionMax = 2048;    // 7.2
               fmt::format("{}: {}, expected {} (Open Job Description 2023-09)", what, found, expected));
 }
 
-// Returns the characters of a UTF-8 text; nullopt for another text.
+// Returns the characters of a UTF-8 text; nullopt if the text is not UTF-8.
 std::optional<std::u32string> characters_of(const std::string& text) {
   std::u32string characters;
   for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
@@ -53,7 +53,7 @@ std::optional<std::u32string> characters_of(const std::string& text) {
 // Unicode's category Cc: C0, DEL and C1 (section 9).
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
 
-// The rules for one kind of text.
+// The rules that one kind of text must follow.
 struct TextRule {
   std::size_t least = 1;
   std::size_t most = std::string::npos;
@@ -90,7 +90,7 @@ void check_choice(const std::string& what, const std::string& value, const std::
   if (!choices.contains(value)) refuse(what, "is " + value, "a value of the specification");
 }
 
-// Section 7.3: {{ opens a reference and }} closes it; they cannot be escaped. `values`: values of the references.
+// Section 7.3: {{ opens a reference and }} closes it; neither can be escaped. `values`: the values of the references.
 std::string resolved(const std::string& what, const std::string& text,
                      const std::map<std::string, std::string>& values) {
   std::string result;
@@ -111,7 +111,7 @@ std::string resolved(const std::string& what, const std::string& text,
 
 std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
-// Parameters of the bundle with their values, by the names of references.
+// The bundle's parameters with their values, by reference name.
 class Checker {
  public:
   Checker(const Json& job, const Json& values) : job_(job), values_(values) {}

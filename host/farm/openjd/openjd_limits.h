@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks a job bundle against every limit in the specification of Open Job Description for the elements of multum's
-// bundles: "Template Schemas" 2023-09 with TASK_CHUNKING. A farm refuses a template that breaks a limit, either at
+// bundles: "Template Schemas" 2023-09 with TASK_CHUNKING. A farm rejects a template that exceeds a limit, either at
 // submission or, worse, when a task begins.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace multum {
 
 constexpr std::size_t kOpenJdParametersMax = 50;  // 1.1, parameterDefinitions
 
-/// Throws Error(kUsage), which shows the text and its place, unless it is UTF-8 (section 1: templates are UTF-8
+/// Throws Error(kUsage), which shows the text and its place, unless the text is UTF-8 (section 1: templates are UTF-8
 /// documents).
 void check_openjd_text(const std::string& what, const std::string& text);
 

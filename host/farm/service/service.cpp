@@ -170,7 +170,7 @@ class Service {
       sd_notify(0, "RELOADING=1");
       try {
         ServiceSettings settings = options_.read_settings();
-        // The other settings are checked together with the values that stay in use until a restart.
+        // The new settings are checked together with the values that stay in use until a restart.
         settings.listen = settings_.listen;
         settings.roots = settings_.roots;
         settings.data = settings_.data;
@@ -197,7 +197,7 @@ class Service {
     watchdog_.expires_after(std::chrono::microseconds(interval / 3));
     watchdog_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      // Through the ledger, so that a daemon whose ledger hangs counts as failed.
+      // Notifies through the ledger, so that a daemon whose ledger hangs counts as failed.
       ledger_->run([](JobQueue&) {},
                    [this](const std::exception_ptr&) {
                      sd_notify(0, "WATCHDOG=1");
@@ -206,7 +206,7 @@ class Service {
     });
   }
 
-  // Removes, every hour, jobs and files whose retention time is over.
+  // Every hour, removes jobs and files whose retention time is over.
   void sweep() {
     sweep_.expires_after(std::chrono::hours(1));
     sweep_.async_wait([this](const boost::system::error_code& error) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon: ledger, workers, web interface, signals.
-//   SIGTERM, SIGINT   starts no more jobs; running jobs may end within the grace period, then they are handed back
+//   SIGTERM, SIGINT   starts no more jobs; hands back running jobs that do not end within the grace period
 //   SIGHUP            reads the settings file again
 #pragma once
 
@@ -23,7 +23,7 @@ struct ServiceOptions {
   bool begins_anew = false;                        // makes a new ledger if the folder's ledger is lost
 };
 
-/// Runs until it is asked to end. Throws Error if it cannot start.
+/// Runs until it is told to stop. Throws Error if it cannot start.
 void run_service(const ServiceOptions& options);
 
 }  // namespace multum

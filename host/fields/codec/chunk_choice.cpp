@@ -31,8 +31,8 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
   double least = cost(levels);
   for (std::size_t below = 1; below < levels.size();) {
     std::optional<ParameterPyramid::Halvings> best;
-    // Tries every level between the last chosen one and the finest. Each dimension takes every number of halvings
-    // between both.
+    // Tries every level between the last chosen level and the finest one. Along each dimension, tries every number of
+    // halvings between the two levels.
     ParameterPyramid::Halvings candidate(sizes.size(), 0);
     for (bool more = true; more;) {
       if (candidate != levels[below - 1] && candidate != levels[below]) {
@@ -93,7 +93,7 @@ ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidC
     first_along_one.front() = 0;
     if (first_along_one != top && first_along_one != finest)
       candidates.pyramids.push_back({top, first_along_one, finest});
-    // Refines one dimension after the other, the last first.
+    // Refines one dimension after the other, starting with the last.
     std::vector<ParameterPyramid::Halvings> taking_turns = {top};
     for (auto next = top; next != finest; taking_turns.push_back(next)) {
       const auto most = std::max_element(next.rbegin(), next.rend());
@@ -107,7 +107,7 @@ ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidC
 
 namespace {
 
-/// Wavelets take several times as long to decode as cosines. They must lower the cost by a twentieth.
+/// Wavelets take several times as long to decode as cosines, so they must lower the cost by a twentieth.
 constexpr double kWaveletFactor = 1.05;
 
 double comparable_cost(const EncodedChunk& chunk, ImageCoder coder, double lambda) {
@@ -150,7 +150,7 @@ ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights
     }
     settings.levels.clear();
     double least = std::numeric_limits<double>::max();
-    for (const std::size_t images : candidates.basis_images) {  // stops at the first image count that does not pay
+    for (const std::size_t images : candidates.basis_images) {  // stops when more images do not lower the cost
       settings.basis_images = images;
       const double cost = try_settings();
       if (cost >= least) break;

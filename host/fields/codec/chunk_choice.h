@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses how a chunk is coded: its image coder, and either its pyramid over parameters or a basis that is learnt from
-// the block. The choice has the least error + lambda bits.
+// the block. The choice minimises error + lambda bits.
 #pragma once
 
 #include <utility>
@@ -23,7 +23,7 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
 /// An image coder and the side of cosine blocks.
 using CoderAndSide = std::pair<ImageCoder, std::size_t>;
 
-/// Returns the coders to try, in this order. `coder`: only this one; unset: all.
+/// Returns the coders to try, in order. `coder`: returns only this one; unset: returns all.
 std::vector<CoderAndSide> image_coders(std::optional<ImageCoder> coder);
 
 struct ChunkCandidates {
@@ -34,7 +34,7 @@ struct ChunkCandidates {
   bool open_loop = false;
 };
 
-/// `coder`: only this one; unset: all.
+/// `coder`: the only coder to try; unset: tries all coders.
 ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidChoice pyramid,
                                  std::optional<ImageCoder> coder, bool open_loop);
 
@@ -46,9 +46,9 @@ struct ChosenChunk {
   ChunkSettings settings;  // the settings that coded the chunk
 };
 
-/// Returns the chunk with the least error + lambda bits. The first coder tries every pyramid, and every basis while
-/// more images pay. A later coder tries the best settings so far, and the others only if it wins with these. `step`: as
-/// in ChunkEncoder.
+/// Returns the chunk with the least error + lambda bits. The first coder tries every pyramid, and larger bases as long
+/// as more images lower the cost. A later coder first tries the best settings so far, and the others only if it has the
+/// lowest cost with these settings. `step`: as in ChunkEncoder.
 ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
                        double lambda, const std::function<void()>& step);
 

@@ -17,8 +17,8 @@ double determinant(const Matrix& m) {
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/// Returns the quaternion w, x, y, z of a rotation. The largest component comes from the diagonal, the others from this
-/// component (Shepperd 1978).
+/// Returns the quaternion w, x, y, z of a rotation. The largest component is computed from the diagonal, and the others
+/// from this component (Shepperd 1978).
 std::array<double, 4> quaternion_of(const Matrix& r) {
   const double trace = r[0][0] + r[1][1] + r[2][2];
   const std::array<double, 4> squares = {trace, r[0][0], r[1][1], r[2][2]};

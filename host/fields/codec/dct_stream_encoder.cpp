@@ -10,8 +10,8 @@ namespace {
 
 /// An isolated coefficient takes about this many bits. Coefficients that save less are not tried.
 constexpr float kBitsLeast = 3.0f;
-/// Most bits that dropping a coefficient, or lowering it by one step, can save. Changes whose error grows by more than
-/// these bits are worth are not tried. This shortcut changed files of field_demo1 by less than 0.1 %.
+/// The most bits that can be saved by dropping a coefficient, or by lowering it by one step. A change is not tried if
+/// it adds more error than these bits are worth. This shortcut changed files of field_demo1 by less than 0.1 %.
 constexpr float kBitsOfOneMost = 14.0f, kBitsOfStepMost = 4.0f;
 
 bool all_zero(std::span<const std::int16_t> values) {
@@ -27,7 +27,7 @@ float DctStreamEncoder::bits_of(Values& values, const BlockSurroundings& around)
   return port.bits();
 }
 
-/// Returns the extra bits to mark a group as not empty instead of empty.
+/// Returns the extra bits that mark a group as not empty instead of empty.
 float DctStreamEncoder::opening_bits(const GroupSurroundings& around) {
   CountingPort some, none;
   SymbolCoder<CountingPort> of_some(some), of_none(none);
@@ -37,7 +37,7 @@ float DctStreamEncoder::opening_bits(const GroupSurroundings& around) {
 }
 
 /// Returns the values to write for a block. The decoder adds `constant` to the first value. Unless all values are zero,
-/// they cost `bits_if_any` more than the block itself.
+/// `bits_if_any` is added to the cost of the block.
 DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target, std::size_t plane, std::size_t number,
                                                          int constant, const BlockSurroundings& around,
                                                          float bits_if_any) {
@@ -98,7 +98,7 @@ DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target
   return values;
 }
 
-/// Delays the plane's first groups, and a group's first blocks, until one of them is not empty.
+/// Delays writing the plane's first groups, and a group's first blocks, until one of them is not empty.
 void DctStreamEncoder::add_plane(CoefficientBlocks& image, const DctTarget& target, const ImagePlace& place,
                                  std::size_t plane) {
   const auto around_group = [&](std::size_t group) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. Coefficients are chosen
-// by rate and distortion. For each block the encoder tries fewer bands, and each coefficient lowered by one step.
-// It keeps the choice with the least error + lambda bits; the bits follow from the contexts.
+// by rate and distortion. For each block the encoder tries to drop bands, and to lower each coefficient by one step. It
+// keeps the choice with the least error + lambda bits; the contexts determine the bits.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -9,13 +9,13 @@
 
 namespace multum {
 
-/// The wanted coefficients of an image, and their required precision.
+/// The target coefficients of an image, and their required precision.
 struct DctTarget {
-  /// Wanted coefficients per plane, block by block: grid.count() * side * side.
+  /// Target coefficients per plane, block by block: grid.count() * side * side values.
   std::array<std::vector<float>, CoefficientBlocks::kPlanes> coefficients;
-  /// Weights of squared errors per coefficient, block by block: at least 0; 0 where the coefficient is invisible.
+  /// Weights of squared errors per coefficient, block by block: at least 0, and 0 for invisible coefficients.
   std::vector<float> weights;
-  std::vector<float> steps;  // steps above 0, one per place of a block
+  std::vector<float> steps;  // steps above 0, one per position in a block
   float scale = 1.0f;        // multiplies all steps
   float lambda = 0.0f;       // weighted squared error that one bit is worth
 };
@@ -39,7 +39,7 @@ class DctStreamEncoder {
  private:
   using Values = std::vector<std::int16_t>;
 
-  /// The images that an image is coded against, and its level.
+  /// The level of an image, and the images from which it is predicted.
   struct ImagePlace {
     const CoefficientBlocks *parent, *before;
     std::size_t level;

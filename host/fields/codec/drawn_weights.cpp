@@ -35,7 +35,7 @@ std::vector<float> handed_back(const FilterMatrix& matrix, const std::vector<flo
   return handed_down(width, height, 3, std::move(texels));
 }
 
-/// A kind of coefficient that is probed at once: a place of cosine blocks, or a band.
+/// Coefficients that are probed at once: those at one position of all cosine blocks, or those of one band.
 class Probe {
  public:
   explicit Probe(const CoefficientLayout& layout) : layout_(layout), grid_{layout.width, layout.height, layout.side} {
@@ -69,7 +69,8 @@ class Probe {
     return samples;
   }
 
-  /// Adds texel values to the kind's coefficients there. `stride` and `offset` select the texel values.
+  /// Adds texel values to the coefficients of this kind at the same places. `stride` and `offset` select the texel
+  /// values.
   void collect(std::size_t kind, const std::vector<float>& texels, std::size_t channel,
                std::vector<float>& energies) const {
     if (is_dct()) {
@@ -102,9 +103,9 @@ class Probe {
   std::vector<WaveletBand> bands_;
 };
 
-/// Raises the weights of wavelets, which reach beyond their places, to at least this share of their heaviest neighbour.
-/// Otherwise details at the borders of visible areas are lost, and the error of field_demo1 at 370:1 is half as large
-/// again.
+/// Raises the weights of wavelets, which reach beyond their places, to at least this share of the largest neighbouring
+/// weight. Otherwise details at the borders of visible areas are lost, and the error of field_demo1 at 370:1 is 1.5
+/// times as large.
 void raise_beside_seen(const Probe& probe, std::size_t width, std::vector<float>& energies) {
   constexpr float kShare = 0.3f;
   const std::vector<float> before = energies;
@@ -129,8 +130,8 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
   return masses;
 }
 
-/// Splits each block into sixteen parts and returns the fourth root of greatest mass over mean mass. On field_demo1
-/// this correction lowers error + lambda bits by 0.5 %; the square root gives about the same.
+/// Splits each block into sixteen parts and returns the fourth root of the greatest mass divided by the mean mass. On
+/// field_demo1 this correction lowers error + lambda bits by 0.5 %; the square root gives about the same.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses) {
   constexpr float kExponent = 0.25f, kShareMin = 0.02f;
   const BlockGrid grid{layout.width, layout.height, layout.side};
@@ -157,7 +158,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
   SplitMix64 random(1);
   // Wavelets overlap, so one choice of signs measures their weights only to within a third.
   const std::size_t rounds = probe.is_dct() ? 1 : 4;
-  for (std::size_t kind = 0; kind < rounds * probe.kinds(); kind += 3) {  // three at once, as red, green and blue
+  for (std::size_t kind = 0; kind < rounds * probe.kinds(); kind += 3) {  // three kinds at once: red, green, blue
     const std::size_t count = std::min<std::size_t>(3, rounds * probe.kinds() - kind);
     std::vector<float> finest(3 * layout.width * layout.height);
     for (std::size_t c = 0; c < count; ++c) {
@@ -187,7 +188,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers) {
   constexpr float kExponent = 2.0f - 2.0f / 2.2f;
-  constexpr float kRadianceMin = 3e-4f;  // 6 of 255 gamma-coded; below it the slope of the gamma curve is unreliable
+  constexpr float kRadianceMin = 3e-4f;  // 6 of 255 gamma-coded; below it the gamma curve's slope is unreliable
   constexpr float kShareMin = 0.01f;
   std::vector<std::vector<float>> pictures;
   std::vector<float> sum(3 * matrix.row_count());

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights errors of textures by their visibility in the drawn picture. The filter matrix A of a pose has the share of
-// each texel in each pixel, so an error e of a texture is |A e|^2 in the picture. Coded coefficients have nearly
-// independent errors, so this error is a sum over coefficients: the weight of each is |A b|^2 of its basis image b. The
-// weights are measured together: all basis images of one frequency are drawn at once with random signs, and the squares
-// of the pixels are handed back to their source texels.
+// Weights errors of textures by their visibility in the drawn picture. The filter matrix A of a pose contains the share
+// of each texel in each pixel, so an error e of a texture causes the squared error |A e|^2 in the picture. The errors
+// of coded coefficients are nearly independent, so this error is a weighted sum over coefficients. The weight of a
+// coefficient with basis image b is |A b|^2. The weights are measured together: all basis images of one frequency are
+// drawn at once with random signs, and the squares of the pixels are handed back to their source texels.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +14,26 @@
 
 namespace multum {
 
-/// Side of the squares of texels over which shares of layers are averaged.
+/// Side, in texels, of the squares over which the shares of layers are averaged.
 constexpr std::size_t kShareCell = 16;
 
 /// Returns the weight of each coefficient's squared error in the picture of each pose: cosines [pose][block][v][u],
-/// wavelets [pose][height][width]. All matrices are of textures of the layout's size. Partly visible coefficients, and
+/// wavelets [pose][height][width]. All matrices are for textures of the layout's size. Partly visible coefficients, and
 /// wavelets next to visible ones, get higher weights, because their errors are not independent where little of them is
 /// visible.
 std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMatrix>& matrices,
                                                      const CoefficientLayout& layout);
 
-/// Returns the factor by which the energies of cosines grow in each partly visible block, where errors of coefficients
-/// add up. `masses`: texel_masses. The result of coefficient_energies() already includes this factor.
+/// Returns, for each partly visible block, the factor by which the energies of cosines grow because errors of
+/// coefficients add up. `masses`: texel_masses. The result of coefficient_energies() already includes this factor.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses);
 
 /// Returns the weights of the finest texels in the picture, including the coarser levels: A^T 1.
 std::vector<float> texel_masses(const FilterMatrix& matrix);
 
-/// Returns how visible errors of each layer's gamma-coded texture are in the gamma-coded sum of the layers, squared,
+/// Returns the squared visibility of errors of each layer's gamma-coded texture in the gamma-coded sum of the layers,
 /// per cell of kShareCell x kShareCell texels, row by row. The value is (L_i / L)^(2 - 2 / 2.2) times the squared
-/// coverage, averaged over the pixels that show the cell. Invisible cells get the mean of the others. `layers`:
+/// coverage, averaged over the pixels that show the cell. Invisible cells get the mean of the visible cells. `layers`:
 /// radiance of all levels, [texel][3].
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers);

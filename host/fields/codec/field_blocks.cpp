@@ -16,7 +16,7 @@ class BlockCutter {
               const std::vector<std::string>& textures, const BlockLimits& limits)
       : field_(field), grid_(grid), mappings_(mapping_of_sample), textures_(textures), limits_(limits) {}
 
-  /// Cuts a box into boxes of one mapping, and these into blocks.
+  /// Cuts a box into boxes of one mapping each, and these boxes into blocks.
   void cut(const FieldBlock& box) {
     const auto place = mapping_change(box);
     if (!place) return cut_mapped(box, box);
@@ -51,7 +51,7 @@ class BlockCutter {
     cut_mapped(second, box);
   }
 
-  /// Returns the dimension to cut and the length of the first part; nullopt: the block is small enough.
+  /// Returns the dimension to cut and the length of the first part; nullopt if the block is small enough.
   std::optional<std::pair<std::size_t, int>> cut_of(const FieldBlock& block, const FieldBlock& box) const {
     std::size_t samples = 1;
     for (const std::size_t d : block.varying) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cuts the parameter grid of a field into blocks. Each block of a layer is coded as one texture chunk. A block is a box
-// of samples that share a texture mapping. It has a limited number of samples along each parameter that its textures
-// vary with. Blocks of different objects may begin at different samples (Hakura et al. 2000, section 5), so that a path
-// does not enter new blocks of all objects in one frame:
+// of samples that share a texture mapping. The number of samples is limited along each parameter that changes the
+// block's textures. Blocks of different objects may begin at different samples (Hakura et al. 2000, section 5), so that
+// a path does not enter new blocks of all objects in one frame:
 //
 //      samples along a parameter   0 1 2 3 4 5 6 7 8 9        side 4
 //      an object, first 0          |-------|-------|---
@@ -18,8 +18,8 @@
 namespace multum {
 
 struct FieldBlock {
-  std::vector<int> begin, size;      // box along each parameter
-  std::vector<std::size_t> varying;  // parameters that its textures vary with, ascending
+  std::vector<int> begin, size;      // range of the box along each parameter
+  std::vector<std::size_t> varying;  // parameters that change the textures, ascending
 
   /// Returns the sizes along `varying`, or a single 1 if nothing varies.
   std::vector<std::size_t> chunk_sizes() const;
@@ -37,12 +37,12 @@ struct SampleGrid {
   std::vector<std::size_t> samples_in(const FieldBlock& block) const;
 };
 
-/// Throws Error(kInput) unless every point of the grid has one sample. The message does not name the file.
+/// Throws Error(kInput) unless every point of the grid has exactly one sample. The message does not name the file.
 SampleGrid sample_grid(const std::vector<InferredSample>& samples);
 
 struct BlockLimits {
   int side = 8;                 // samples along a varying parameter, at least 1
-  int first = 0;                // length of the first block, where a mapping's samples need several; 0 to side; 0: side
+  int first = 0;                // length of the first of several blocks of a mapping, 0 to side; 0: side
   std::size_t samples_max = 1;  // textures of a block, at least 1
 };
 

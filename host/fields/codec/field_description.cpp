@@ -23,12 +23,12 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
-constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // numbers in matrices: 100,000 samples of ten objects
+constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // numbers in matrices for 100,000 samples of ten objects
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-// Keys of a mapping that describe its search. Players do not need them.
+// Keys of a mapping that describe how it was found. Players do not need them.
 constexpr std::array kFoundKeys = {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"};
 
 // Replaces fractions by the shortest decimals that give the same single-precision numbers.
@@ -79,7 +79,7 @@ json description_json(const FieldDescription& description) {
 std::string inflated(std::span<const std::uint8_t> bytes) {
   ByteReader reader(bytes);
   const std::uint64_t length = reader.number(kTextBytesMax);
-  if (reader.failed()) refuse_description("does not give its length");
+  if (reader.failed()) refuse_description("does not state its length");
   std::string text(length, '\0');
   auto written = static_cast<uLongf>(length);
   const auto packed = bytes.subspan(reader.position());
@@ -96,7 +96,7 @@ std::size_t index_of(const json& value, const char* what) {
 // Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // numbers of all samples; samples share the numbers that are stored once
+  std::size_t numbers = 0;  // count of the numbers of all samples; numbers that samples share are stored once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));

@@ -16,7 +16,7 @@ struct PackedLayer {
   std::size_t object = 0;  // index into the field's objects
   std::string name;
   std::vector<FieldBlock> blocks;
-  std::vector<int> unseen;  // samples at which the object has no texture of the layer, ascending
+  std::vector<int> unseen;  // samples without a texture of the layer for this object, ascending
 
   bool is_seen(std::size_t sample) const;
   /// Returns the block that contains a point of the grid.
@@ -24,7 +24,7 @@ struct PackedLayer {
 };
 
 struct FieldDescription {
-  InferredManifest field;           // its objects' layers have no textures
+  InferredManifest field;           // the objects' layers have no textures
   SampleGrid grid;                  // grid of the field's samples
   std::vector<PackedLayer> layers;  // numbered as in the sections, object by object
 };

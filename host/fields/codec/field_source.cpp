@@ -71,7 +71,7 @@ class ObjectReading {
     for (const std::size_t p : weights_.pose_of_sample) weights_.pixels += poses_[p].pixels;
   }
 
-  /// Measures several poses of one coder at a time, because they can share basis images.
+  /// Measures several poses of one coder at a time, because poses can share basis images.
   void find_energies(Progress* progress) {
     struct Item {
       CoderAndSide coder;
@@ -183,7 +183,7 @@ class ObjectReading {
     return groups;
   }
 
-  /// Returns for each pose the poses whose measured energies it uses: only itself, or some similar poses.
+  /// For each pose, returns the poses whose measured energies it uses: only itself, or some similar poses.
   std::vector<std::vector<std::size_t>> measured_of_poses() const {
     std::vector<std::vector<std::size_t>> result(poses_.size());
     for (const std::vector<std::size_t>& poses : alike_poses()) {
@@ -341,7 +341,7 @@ ChunkSource read_chunk_source(const FieldSource& field, const ChunkToCode& chunk
     if (!chunk.textures[i].empty())
       source.textures[i] =
           finest_gamma_coded(read_texture_of(field.folder, chunk.textures[i], chunk.width, chunk.height));
-  // An invisible texture repeats a neighbour's texture, which costs nothing.
+  // An invisible texture repeats a neighbour's texture, because repeated textures cost no bits.
   const auto first =
       std::find_if(source.textures.begin(), source.textures.end(), [](const auto& t) { return !t.empty(); });
   MULTUM_CHECK(first != source.textures.end());

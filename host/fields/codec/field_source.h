@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a folder of `multum infer` for packing: its description, its chunks, and the weights of their errors in drawn
-// frames. Textures are read on request, because a field's textures may exceed the memory.
+// Reads a folder written by `multum infer` for packing: its description, its chunks, and the weights of coding errors
+// in drawn frames. Textures are read on request, because a field's textures may exceed the memory.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct ChunkToCode {
   std::size_t object = 0, layer_of_object = 0;
   std::size_t width = 1, height = 1;              // texels
   std::vector<std::size_t> sizes;                 // samples along each dimension
-  std::vector<std::string> textures;              // [chunk sample], files of the folder; "": invisible
+  std::vector<std::string> textures;              // [chunk sample], a file of the folder each; "": invisible
   std::vector<std::vector<std::size_t>> seen_at;  // [chunk sample], the field's samples that draw it
   std::vector<float> texel_weights;               // as in ChunkSource
   const ObjectWeights* weights = nullptr;
@@ -44,7 +44,7 @@ struct FieldSource {
   FieldDescription description;
   std::vector<std::unique_ptr<ObjectWeights>> weights;  // of objects
   std::vector<ChunkToCode> chunks;
-  double values = 0.0;   // values of all frames, three per pixel
+  double values = 0.0;   // number of values in all frames, three per pixel
   std::string checksum;  // checksum of all data that was read
 };
 

@@ -20,10 +20,11 @@ namespace multum {
 /// that first_bytes() refuses.
 bool is_packed_field(const std::string& path);
 
-/// The index and description of a file; chunks are read on request. Not for two threads at once.
+/// The index and description of a file; chunks are read on request. Two threads must not use it at once.
 class PackedFieldFile {
  public:
-  /// Throws Error(kInput) naming the file and its fault: another format, cut short, a damaged index or description.
+  /// Throws Error(kInput) naming the file and its fault: another format, a truncated file, a damaged index or
+  /// description.
   explicit PackedFieldFile(const std::string& path);
 
   const FieldDescription& description() const { return description_; }
@@ -36,8 +37,8 @@ class PackedFieldFile {
   /// section is missing.
   std::optional<std::size_t> chunk_section(std::size_t layer, std::size_t block) const;
   /// Decodes the chunk from its section's bytes. Throws Error(kInput) naming the section if the chunk is damaged,
-  /// exceeds the limits, or has another size than its description. Like all const functions, it may run in any number
-  /// of threads.
+  /// exceeds the limits, or differs in size from its description. Like all const functions, it may run in any number of
+  /// threads.
   std::unique_ptr<TextureChunk> decode_chunk(std::size_t section, std::span<const std::uint8_t> bytes,
                                              const DecodingLimits& limits) const;
   /// Throws Error(kInput) if the sizes in a chunk's head differ from the description.
@@ -69,8 +70,8 @@ struct UnpackReport {
 };
 
 /// Creates `folder` and writes textures with all mip levels, then the manifest. Textures of damaged chunks are left
-/// out; their objects have no texture there. Throws Error, also if a manifest already exists; Cancelled, without a
-/// manifest.
+/// out; the objects have no texture at these samples. Throws Error, also if a manifest already exists; Cancelled,
+/// without a manifest.
 UnpackReport unpack_field(const std::string& path, const std::string& folder, int threads, Progress* progress);
 
 struct PackedFinding {
@@ -81,7 +82,7 @@ struct PackedFinding {
 /// Decodes every section. Throws Error(kInput) if the index or the description cannot be read.
 std::vector<PackedFinding> verify_packed_field(const std::string& path);
 
-/// Returns facts about the file for people, one per line.
+/// Returns human-readable facts about the file, one per line.
 std::string packed_field_text(const std::string& path);
 
 }  // namespace multum

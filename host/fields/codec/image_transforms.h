@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the coefficients of all textures of a chunk together, so that a device can do it
-// (host/fields/codec/transforms). This file has the version without a device, which uses the decoder's transforms.
+// (host/fields/codec/transforms). This file contains the version without a device, which uses the decoder's transforms.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct CoefficientLayout {
   std::size_t coefficient_count() const;
 };
 
-/// Three planes from red, green and blue: plane p = rows[p] . colour - offsets[p].
+/// Converts red, green and blue to three planes: plane p is rows[p] . colour - offsets[p].
 struct PlaneAxes {
   std::array<std::array<float, 3>, 3> rows{};
   std::array<float, 3> offsets{};

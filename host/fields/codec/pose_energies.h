@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the weights of errors of an object's coefficients in each of its poses. If something moves in front of an
-// object, it has as many poses as the field has samples, and most poses differ only in occlusion. Such poses are not
-// measured. They get the energies of similar measured poses, scaled by how much of each cell of texels they see.
+// Holds the error weights of an object's coefficients in each of its poses. If something moves in front of an object,
+// it has as many poses as the field has samples, and most poses differ only in occlusion. Poses that differ only in
+// occlusion are not measured. They get the energies of similar measured poses, scaled by the visible part of each cell
+// of texels.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +13,9 @@
 
 namespace multum {
 
-/// Chooses some of the poses that see an object from the same place: every cell of texels is seen by a chosen pose
-/// nearly as well as by any pose. `cell_masses`: [pose][cell], cell_sums of texel_masses. Returns ascending indices of
-/// poses.
+/// Chooses some of the poses that see an object from the same place, so that a chosen pose sees every cell of texels
+/// nearly as well as any pose does. `cell_masses`: [pose][cell], cell_sums of texel_masses. Returns ascending indices
+/// of poses.
 std::vector<std::size_t> poses_to_measure(const std::vector<std::vector<float>>& cell_masses);
 
 class PoseEnergies {
@@ -22,7 +23,7 @@ class PoseEnergies {
   PoseEnergies() = default;
   explicit PoseEnergies(std::size_t pose_count) : poses_(pose_count) {}
 
-  /// `energies`: from coefficient_energies, of textures of the layout's size; `masses`: texel_masses.
+  /// `energies`: from coefficient_energies(), for textures of the layout's size; `masses`: from texel_masses().
   void set_measured(std::size_t pose, const CoefficientLayout& layout, std::vector<float> energies,
                     const std::vector<float>& masses);
 
@@ -35,13 +36,13 @@ class PoseEnergies {
   /// Returns the energies of the coefficients in a pose that was set; `cells`: of the layout's coefficients.
   std::vector<float> of(std::size_t pose, const std::vector<std::uint32_t>& cells) const;
 
-  /// Returns the bytes held.
+  /// Returns the memory in bytes.
   std::uint64_t bytes() const;
 
  private:
   struct Pose {
-    std::vector<float> energies;        // only of a measured pose
-    std::vector<std::size_t> measured;  // else: the similar measured poses
+    std::vector<float> energies;        // empty unless the pose is measured
+    std::vector<std::size_t> measured;  // the similar measured poses, if the pose is not measured
     std::vector<float> cell_masses;
     std::vector<float> block_factors;  // partly_seen_factors; empty for wavelets
   };

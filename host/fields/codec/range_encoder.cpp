@@ -8,7 +8,7 @@ namespace multum {
 void RangeEncoder::carry() {
   if (low_ >> 32 == 0) return;
   low_ &= 0xffffffff;
-  // A byte below 255 exists before the carry, because the interval never leaves 0..1.
+  // There is always an earlier byte below 255 for the carry, because the interval never leaves 0..1.
   for (auto byte = bytes_.rbegin(); ++*byte == 0;) ++byte;
 }
 
@@ -33,9 +33,9 @@ void RangeEncoder::encode(bool bit, std::uint32_t probability) {
 }
 
 std::vector<std::uint8_t> RangeEncoder::finish() {
-  // Finds the value with the most trailing zero bytes whose continuations are all in the interval.
+  // Finds the value with the most trailing zero bytes such that all its continuations are in the interval.
   for (int kept = 0; kept <= 4; ++kept) {
-    const std::uint64_t open = kept == 4 ? 0 : 0xffffffffull >> (8 * kept);  // range of the bits that may follow
+    const std::uint64_t open = kept == 4 ? 0 : 0xffffffffull >> (8 * kept);  // range of the bits that can follow
     const std::uint64_t value = (low_ + open) & ~open;
     if (value + open >= low_ + range_) continue;
     low_ = value;

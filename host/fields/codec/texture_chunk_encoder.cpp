@@ -15,12 +15,12 @@ namespace multum {
 namespace {
 
 /// Steps in units of sqrt(lambda / weight). Theory gives 2.9 at high rates, where one more bit per coefficient quarters
-/// its error of step^2 / 12. On field_demo1, these values left the least error + lambda bits among 2, 2.5, 2.8, 3 for
-/// cosines and among 2, 3.5, 4.5 for wavelets. Wavelet coefficients below a whole step become zero, cosines below half
-/// a step.
+/// the error step^2 / 12. On field_demo1, these values had the least error + lambda bits: 2, 2.5, 2.8 and 3 were tried
+/// for cosines, and 2, 3.5 and 4.5 for wavelets. Wavelet coefficients below a whole step become zero, cosines below
+/// half a step.
 constexpr double kDctStep = 2.8, kWaveletStep = 3.5;
-/// Smallest weight ratio for coarser steps at high frequencies, which are hardly drawn. No step is finer than the
-/// first.
+/// Smallest weight ratio that makes steps coarser at high frequencies, which are hardly visible. No step is finer than
+/// the first.
 constexpr double kWeightRatioMin = 1.0 / 60.0;
 constexpr float kOffsetUnit = 1.0f / 64.0f;
 
@@ -28,7 +28,7 @@ std::uint8_t code_of(double factor, int zero) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(8.0 * std::log2(factor)) + zero, 0l, 255l));
 }
 
-/// The mean of values, each weighted by itself: well visible parts matter most.
+/// The mean of values, each weighted by itself, so that clearly visible parts matter most.
 class SelfWeighedMean {
  public:
   void add(double value) {
@@ -200,13 +200,13 @@ std::vector<std::vector<Share>> shares_of_images(const ImagePlan& plan) {
   return shares;
 }
 
-/// Returns the weight of an image's error in a sample. In a pyramid's level the shares t of a sample's images sum to 1,
-/// so the square of the sum of their errors is at most sum t e^2. Images of a basis are orthogonal.
+/// Returns the weight of an image's error in a sample. In a pyramid level, the shares t of a sample's images sum to 1,
+/// so the square of the sum of their errors e is at most sum t e^2. Images of a basis are orthogonal.
 float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-/// The remaining difference of each sample, by coefficient, from which the target of the next image follows.
+/// The remaining difference of each sample, by coefficient, which gives the target of the next image.
 class Residual {
  public:
   /// `weights`: [sample][coefficient]; they must outlive this object.
@@ -248,7 +248,7 @@ class Residual {
   }
 
  private:
-  static constexpr float kWeightMin = 1e-9f;  // no pixel shows coefficients of lower weight
+  static constexpr float kWeightMin = 1e-9f;  // coefficients of lower weight are not visible in any pixel
 
   std::vector<PlaneCoefficients> lacking_;
   const std::vector<std::vector<float>>& weights_;
@@ -326,8 +326,8 @@ ChunkEncoder::ChunkEncoder(const ChunkSource& source, const CoefficientWeights& 
   coefficients_ = transforms.coefficients({coder, source.width, source.height, side}, source.textures, planes);
 }
 
-/// Computes eigenvectors of the products of any two samples. Coefficients are weighted by the roots of their errors'
-/// weights.
+/// Computes the eigenvectors of the matrix of products of any two samples. Coefficients are weighted by the roots of
+/// their errors' weights.
 const std::vector<std::vector<double>>& ChunkEncoder::eigenvectors() {
   if (eigenvectors_) return *eigenvectors_;
   const std::size_t n = coefficients_.size();

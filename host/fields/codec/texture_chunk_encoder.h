@@ -2,10 +2,11 @@
 // Encodes the textures of one layer of an object over one block of parameters as a texture chunk (Hakura et al. 2000,
 // section 4): an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
 //
-// Departures from the paper: The loop is closed. An image is the weighted mean of the differences that remain in its
-// samples after the decoded coarser images, so that finer images correct quantization errors of coarser ones. Errors
-// have their weights in drawn pixels, per coefficient. Steps and the choice of coefficients follow from one Lagrange
-// multiplier. All images of all chunks coded with it then have equal slopes of error over bits.
+// Departures from the paper: The loop is closed. An image is the weighted mean of the differences between its samples
+// and the sum of the decoded coarser images, so finer images correct quantization errors of coarser images. The errors
+// of each coefficient are weighted by its visibility in drawn pixels. Steps and the choice of coefficients follow from
+// one Lagrange multiplier. All images of all chunks that are coded with this multiplier have the same slope of error
+// over bits.
 #pragma once
 
 #include <functional>
@@ -53,21 +54,21 @@ struct EncodedChunk {
   double cost(double lambda) const { return error + 8.0 * lambda * static_cast<double>(bytes.size()); }
 };
 
-/// Data that all codings of a chunk with one image coder share: the coefficients of its textures and their weights. Not
-/// for two threads at once.
+/// Data that all codings of a chunk with one image coder share: the coefficients of its textures and their weights. Two
+/// threads must not use it at once.
 class ChunkEncoder {
  public:
   /// `side`: of cosine blocks. The source must outlive the encoder.
   ChunkEncoder(const ChunkSource& source, const CoefficientWeights& weights, ImageCoder coder, std::size_t side);
 
-  /// Stops the program if source and settings contradict each other. `step` is called before each image, and may throw.
+  /// Ends the program if source and settings contradict each other. Calls `step` before each image; it may throw.
   EncodedChunk encode(const ChunkSettings& settings, const std::function<void()>& step);
 
  private:
   const std::vector<std::vector<double>>& eigenvectors();
 
   const ChunkSource& source_;
-  TextureChunkFormat format_;                                       // common to all codings: without levels
+  TextureChunkFormat format_;                                       // the part that all codings share, without levels
   std::vector<PlaneCoefficients> coefficients_;                     // by sample
   std::vector<std::vector<float>> weights_;                         // [sample][coefficient]
   std::vector<float> summed_weights_;                               // [coefficient]

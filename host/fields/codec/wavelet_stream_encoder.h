@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that WaveletStreamDecoder reads. Any prefix can be
-// decoded: images before the cut completely, and the cut image to the bit plane reached.
+// decoded: all images before the cut completely, and the last image down to its last complete bit plane.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// The wanted coefficients of an image, and their required precision.
+/// The target coefficients of an image, and their required precision.
 struct WaveletTarget {
   std::array<std::vector<float>, 3> coefficients;  // planes, [height][width] as forward_wavelet computes them
   /// Weights of squared errors per coefficient, at least 0, [height][width]; 0 where the coefficient is invisible.

@@ -22,7 +22,7 @@ struct FilterMatrixProvenance {
   std::string object;
   std::string mesh_hash;    // SHA-256 of positions, coordinates and indices as drawn
   std::string view_matrix;  // SHA-256 of the matrices of every object as drawn
-  std::string key;          // set by the requester: equal keys mean equal matrices
+  std::string key;          // set by the requester; equal keys mean equal matrices
 };
 
 struct FilterMatrix {
@@ -33,14 +33,14 @@ struct FilterMatrix {
   float anisotropy = 1.0f;
   bool has_mips = true;  // false: bilinear, level 0 only
   FilterMatrixProvenance provenance;
-  /// Covered pixels that are left out: the weights of a sub-pixel did not sum to 1 within 1e-4, or did not give the
-  /// colour that OpenGL drew.
+  /// Covered pixels that are left out because the weights of a sub-pixel did not sum to 1 within 1e-4, or did not give
+  /// the colour that OpenGL drew.
   std::uint64_t rows_rejected = 0;
 
   // One entry per covered pixel, by ascending pixel number. The columns of a row are ascending.
   std::vector<std::uint32_t> pixels;     // y * width + x, row 0 at the top
   std::vector<float> coverage;           // share of the pixel's sub-pixels, (0, 1]
-  std::vector<std::uint32_t> row_begin;  // [rows + 1], into the next two
+  std::vector<std::uint32_t> row_begin;  // [rows + 1], indices into the next two lists
   std::vector<std::uint32_t> columns;    // texel number in the order of MipLayout
   std::vector<float> weights;            // each row sums to 1
 
@@ -48,7 +48,7 @@ struct FilterMatrix {
   MipLayout layout() const { return MipLayout(texture_width, texture_height); }
 };
 
-/// The file appears complete, by rename. Throws Error(kEnvironment).
+/// Writes the complete file by a rename. Throws Error(kEnvironment).
 void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
 
 /// Throws Error(kInput) naming the file and its fault: another format or version, cut short, damaged, columns beyond

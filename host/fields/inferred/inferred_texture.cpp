@@ -50,7 +50,7 @@ void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) 
     const Imf::Channel* channel = header.channels().findChannel(name);
     if (channel == nullptr)
       refuse_file(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
-    // The library would round other types, and large values to infinity.
+    // The library would round values of other types, and would convert large values to infinity.
     if (channel->type != Imf::HALF)
       refuse_file(path, std::string("has a channel ") + name + " that does not hold half floats");
   }

@@ -23,7 +23,7 @@ struct InferredTexture {
 };
 
 /// Writes a tiled, mip-mapped EXR of half floats, with "multum:provenance" in its header. Values beyond the largest
-/// half float become 65504. The file appears complete, by rename. Throws Error(kEnvironment).
+/// half float become 65504. Writes the complete file by a rename. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
 /// Rounds values as writing and reading the file does.
@@ -53,7 +53,7 @@ struct InferredSample {
   std::string name;
   std::vector<int> at;  // index along each parameter
   glm::dmat4 world_to_clip{1.0};
-  // Places of objects that are not where the geometry file has them.
+  // Places of objects that differ from their places in the geometry file.
   std::map<std::string, glm::dmat4> object_to_world;
 };
 
@@ -65,7 +65,7 @@ struct InferredManifest {
   int supersampling = 1;
   std::vector<std::string> parameters;
   std::vector<InferredSample> samples;
-  std::vector<InferredObject> objects;  // includes objects without layers: they hide objects behind them
+  std::vector<InferredObject> objects;  // includes objects without layers, because they hide objects behind them
 };
 
 constexpr const char* kInferredManifestName = "inferred.json";

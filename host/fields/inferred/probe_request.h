@@ -29,7 +29,7 @@ struct ProbeRequest {
   int supersampling = 1;
   std::string view;
   glm::dmat4 world_to_clip{1.0};
-  // Places of objects that are not where the geometry file has them.
+  // Places of objects that differ from their places in the geometry file.
   std::map<std::string, glm::dmat4> object_to_world;
   std::vector<ProbeTask> tasks;
 };

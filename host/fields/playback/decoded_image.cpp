@@ -60,7 +60,8 @@ std::size_t image_work_bytes(const TextureChunkFormat& format, DecodedKind kind)
   return (kind == DecodedKind::kTextures ? kTextureWorkBytes : kWorkBytes) * texels_of(format);
 }
 
-/// 24 bytes per vector, 16 per term, 64 per image. read_chunk_format() limits S L 2^D to 2^22, so no product overflows.
+/// A plan needs 24 bytes per vector, 16 per term and 64 per image. read_chunk_format() limits S L 2^D to 2^22, so no
+/// product overflows.
 std::size_t plan_bytes_max(const TextureChunkFormat& format) {
   std::size_t samples = 1;
   for (const std::size_t size : format.sizes) samples *= size;
@@ -69,8 +70,8 @@ std::size_t plan_bytes_max(const TextureChunkFormat& format) {
   return 24 * samples + 16 * terms + 64 * samples * levels + samples * format.basis.size();
 }
 
-/// Cosines: a place for each block of each plane, plus this many bytes per coded byte (at most 250 in files of
-/// field_demo1 at 60:1 to 800:1). Wavelets: two images at work, at eight bytes per texel of each plane.
+/// Cosines need a place for each block of each plane, plus this many bytes per coded byte (at most 250 in files of
+/// field_demo1 at 60:1 to 800:1). Wavelets need two images at a time, with eight bytes per texel of each plane.
 std::size_t likely_coefficient_bytes(const TextureChunkFormat& format, std::size_t image_count,
                                      std::size_t coded_bytes) {
   const std::size_t blocks = (format.width / format.side + 1) * (format.height / format.side + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes the parts of a chunk that playback needs, as half floats for upload: a single image, the sum of a sample's
-// images, or a whole texture. Also tells the memory of each part before it is decoded.
+// images, or a whole texture. Also computes the memory of each part before it is decoded.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace multum {
 /// The parts of a chunk that are decoded and kept.
 enum class DecodedKind {
   kImages,  // single images; a sample is a sum of images, which neighbouring samples share
-  /// Also the sum of a sample's images in one step, at the cost of one image, if two or more images are missing now.
-  /// Textures are then complete sooner after a jump. The images of a frame then depend on time, and so does their
-  /// rounding.
+  /// Like kImages, but decodes the sum of a sample's images in one step, at the cost of one image, if two or more
+  /// images are missing now. Textures are then complete sooner after a jump, but the images of a frame, and their
+  /// rounding, depend on time.
   kImagesAndSums,
   kTextures,  // whole textures of single samples: radiance with all mip levels. For points on a single sample
 };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMemoryLeast = std::size_t{1} << 20;
 
-/// Returns the taken bytes at the end of the block.
+/// Gives the bytes back at the end of the block.
 class ScopedTake {
  public:
   ScopedTake(MemoryAccount& memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {}
@@ -282,7 +282,7 @@ void FieldPlayback::drop_coefficients(Chunk& chunk) {
 
 std::size_t FieldPlayback::chunk_work_bytes(const Chunk& chunk) const {
   return file_.index().sections()[chunk.section].length + chunk.head_bytes +
-         chunk.limit;  // decoding makes a second head
+         chunk.limit;  // decoding makes another copy of the head
 }
 
 // ---- frames

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes a packed field during playback (Hakura et al. 2000, section 5). Finds the images of chunks that a point of
 // the parameter space needs. Worker threads decode them, the nearest frames and the coarsest levels first. A cache
-// forgets an image a b^l frames after its last use; l is its level above the images of single samples. On an adaptive
-// pyramid or a basis an image has no such level, so an image that S samples share counts as level log4(S), as in the
-// paper's pyramid over two parameters. This class does not draw: the caller uploads images and reports each upload.
+// forgets an image `a * b^l` frames after its last use, where `l` is the image's level above the images of single
+// samples. In an adaptive pyramid or a basis, images have no such level, so an image that S samples share counts as
+// level `log4(S)`, as in the paper's pyramid over two parameters. This class does not draw: the caller uploads images
+// and reports each upload.
 //
 // Memory is counted before it is allocated, and never exceeds memory_max: coefficients, images, their uploaded copies,
 // the workers' buffers, and the caller's memory for drawing. The description and the index are not counted.
 //
-// A single thread calls this class; the workers are internal. The code is in three files: this one finds needs and
-// state, _forgetting forgets images, and _decoding makes requests and runs the workers.
+// A single thread calls this class; the workers are internal. The code is in three files: field_playback.cpp determines
+// needs and state, field_playback_forgetting.cpp forgets images, and field_playback_decoding.cpp makes requests and
+// runs the workers.
 #pragma once
 
 #include <array>
@@ -118,7 +120,7 @@ class FieldPlayback {
   static constexpr std::size_t kChunkShare = 4;
 
   struct Rank {
-    std::uint64_t frame = 0;   // frame that last wanted it
+    std::uint64_t frame = 0;   // the last frame that wanted it
     std::size_t distance = 0;  // frames until it is wanted; 0: now
   };
   enum class ChunkState { kUnread, kRead, kQueued, kDecoding, kDecoded, kDamaged };
@@ -128,7 +130,7 @@ class FieldPlayback {
     std::optional<TextureChunkFormat> format;
     std::optional<ImagePlan> plan;
     std::vector<std::uint32_t> served;  // number of samples that each image serves
-    std::vector<bool> zeros;            // whether each image is zero; empty: not known yet
+    std::vector<bool> zeros;            // whether each image is zero; empty if not known yet
     std::array<float, 3> offset{};
     std::shared_ptr<const TextureChunk> decoded;
     std::size_t head_bytes = 0, coefficient_bytes = 0;  // counted bytes
@@ -143,7 +145,7 @@ class FieldPlayback {
   struct Image {
     ImageState state = ImageState::kAwaited;
     DecodedImage decoded;
-    std::size_t bytes = 0, work_bytes = 0;  // counted bytes: kept, and needed until it is decoded
+    std::size_t bytes = 0, work_bytes = 0;  // counted bytes: of the result, and needed only while decoding
     Rank rank;
   };
   struct Job {

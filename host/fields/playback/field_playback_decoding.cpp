@@ -78,7 +78,7 @@ std::size_t FieldPlayback::ask_terms(const Place& place, std::size_t distance, s
 
 bool FieldPlayback::ask_chunk(std::size_t number, std::size_t distance) {
   Chunk& chunk = *chunks_[number];
-  if (chunk.rank.frame != frame_) chunk.rank = {frame_, distance};  // its head was read just now
+  if (chunk.rank.frame != frame_) chunk.rank = {frame_, distance};  // the head was read just now
   if (chunk.state != ChunkState::kRead) return true;
   const std::size_t bytes = chunk_work_bytes(chunk);
   if (!make_room(bytes, distance)) return false;
@@ -93,7 +93,7 @@ bool FieldPlayback::ask_image(const Wanted& wanted, std::size_t distance) {
   const ImageKey key = wanted.key;
   Chunk& chunk = *chunks_[key.chunk];
   if (chunk.decoded == nullptr || images_.count(key) > 0) return true;
-  const std::size_t kept = 2 * image_bytes(*chunk.format, settings_.kind);  // twice: the uploaded copy
+  const std::size_t kept = 2 * image_bytes(*chunk.format, settings_.kind);  // twice, because of the uploaded copy
   const std::size_t work = image_work_bytes(*chunk.format, settings_.kind);
   ++chunk.images_at_work;  // its coefficients stay
   const bool has_room = make_room(kept + work, distance);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interpolates at a point of a field's parameter space: the shares of its samples, and the cameras and objects there.
+// Interpolates at a point of a field's parameter space: computes the shares of samples, and the cameras and objects at
+// the point.
 #pragma once
 
 #include <functional>

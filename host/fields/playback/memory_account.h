@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts bytes against a limit. Refuses excess bytes before they are allocated. Not for two threads at once.
+// Counts bytes against a limit. Refuses excess bytes before they are allocated. Two threads must not use it at once.
 #pragma once
 
 #include <algorithm>

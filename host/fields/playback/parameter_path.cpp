@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kTextMax = 4096;  // characters; far more than people write
+constexpr std::size_t kTextMax = 4096;  // limit in characters, far more than any user writes
 constexpr int kDepthMax = 64;           // most nested parentheses and signs; each is a recursive call of the parser
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n'; }
@@ -143,7 +143,7 @@ class PathParser {
   }
   static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-  /// Reads digits with at most one point. The point must not be the first of the two of a range.
+  /// Reads digits with at most one point. The point must not be the first of a range's two points.
   void number() {
     const std::size_t begin = at_;
     const auto digits = [&] {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses a path through the parameters of a field: 'view=0..63,light=4+3*sin(t)'. Each parameter has an expression of
-// the time, or a range that it runs through during the path.
+// Parses a path through the parameters of a field: 'view=0..63,light=4+3*sin(t)'. Each parameter is given by an
+// expression of the time, or by a range that it runs through during the path.
 //
 //      path    name = value [, name = value ...]        names are the field's parameters; others stay 0
 //      value   sum [.. sum]                             a..b: a + (b - a) of the path's share that has passed

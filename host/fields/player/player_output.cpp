@@ -32,7 +32,8 @@ using nlohmann::ordered_json;
 constexpr const char* kGeometryName = "geometry.glb";
 constexpr const char* kWasmName = "packed_field.wasm";
 
-// Modules in the order of their imports. In one page they are one script, so no two may share a top-level name.
+// Modules in the order of their imports. On one page they are joined to one script, so no two modules may have the same
+// top-level name.
 constexpr std::array kPageModules = {
     "error_text.js",    "next_frame.js",        "byte_source.js",        "checksum.js",
     "mpt_file.js",      "field_description.js", "matrices.js",           "glb.js",
@@ -40,7 +41,8 @@ constexpr std::array kPageModules = {
     "field_player.js",  "recorded_path.js",     "parameter_controls.js", "player.js"};
 constexpr std::array kWorkerModules = {"packed_field.js", "error_text.js", "chunk_head.js", "decoding_worker.js"};
 
-/// Returns a file of the player. packed_field.mjs is named .js there, because not all servers know .mjs.
+/// Returns a file of the player. The file packed_field.mjs is published with the ending .js, because not all servers
+/// know .mjs.
 std::string_view player_file(const std::string& name) {
   if (name == "packed_field.js") return player_module_files().at("packed_field.mjs");
   if (name == kWasmName) return player_module_files().at(name);

@@ -23,7 +23,7 @@ struct PlayerOutput {
 };
 
 /// Checks the outputs before any work. Throws Error: kUsage for a name that cannot be written, kEnvironment if the
-/// program was built without the decoder for browsers; the message names what its build lacked.
+/// program was built without the decoder for browsers; the message names what the build lacked.
 void check_player_output(const PlayerOutput& output);
 
 /// Writes the player of the packed field at `field`. Throws Error: kInput if the field or its geometry cannot be read,

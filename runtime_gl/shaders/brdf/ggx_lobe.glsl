@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX over a vMF lobe as one term, for any roughness, also from a texture (after movmf_shading.glsl and ggx.glsl).
-// host/formats/brdf/ggx_lobe.h has the formula and computes the table: 32 x 32 RGBA16F, linear filter, clamped.
+// GGX convolved with a vMF lobe as one term, for any roughness, also from a texture (after movmf_shading.glsl and
+// ggx.glsl). host/formats/brdf/ggx_lobe.h has the formula and computes the table: 32 x 32 RGBA16F, linear filter,
+// clamped.
 //
 //     specular = multum_movmf_ggx_specular(ggx_lobe_table, lobe, l, v, h, alpha);
 //
@@ -34,9 +35,9 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
 
 // Returns the concentration of GGX's facets about h at the lobe's reflecting normals. The highlight's cosine uses it as
 // the facets' kappa. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
-// at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus their scatter
-// about it. Rough facets have less, because they end at the horizon. Takes two steps from the peak's value;
-// e = 1 - mu.h.
+// at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus the normals'
+// scatter about this direction. For rough facets it is smaller, because they end at the horizon. Does two steps from
+// the peak's value; e = 1 - mu.h.
 float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   float x = alpha * alpha;
   float facets = 2.0 / x;
@@ -57,7 +58,7 @@ float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   return lobe.w * multum_ggx_lobe_density(multum_ggx_lobe_shape(table, alpha, d), alpha, d, e);
 }
 
-// Returns the facet_kappa of multum_movmf_highlight_cosine() for GGX over the lobe.
+// Returns the facet_kappa of multum_movmf_highlight_cosine() for GGX convolved with the lobe.
 float multum_movmf_ggx_facet_kappa(vec4 lobe, vec3 h, float alpha) {
   float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
   return multum_ggx_facet_kappa(alpha, multum_vmf_kappa(multum_movmf_spread(lobe)), e);
@@ -72,15 +73,16 @@ vec4 multum_ggx_lobe_facets(sampler2D table, vec4 lobe, float alpha) {
   return vec4(lobe.w * (shape.x * scale), shape.y * scale, shape.z, shape.w);
 }
 
-// Returns the specular part of glTF's material over the lobe, D V max(n . l, 0), without Fresnel's term
+// Returns the specular part of glTF's material convolved with the lobe, D V max(n . l, 0), without Fresnel's term
 // (multum_schlick), for a light of irradiance 1. l, v, h: unit, tangent space; alpha: roughness^2, above 0. `mu`, `d`:
 // the lobe's mean direction and spread.
 //
-// The normals that reflect from l to v are facets about h times the lobe about mu. Both are treated as Gaussians with
-// the variances 0.6 alpha^2 + 0.1 e and 1 / kappa: the mean is `sum`, the spread is both / |sum|, and q = y / (1 + y)
-// replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15 q)) / 2, where m is the mean normal's
-// cosine. The constants are fitted to the whole highlight (tests/gl/ggx_lobe_test); Smith's V of two means causes a
-// larger error than they do. A lobe of no width gives the result for one normal. Cosines are doubled until the end.
+// The normals that reflect from l to v are facets about h times the lobe about mu. Facets and lobe are treated as
+// Gaussians with the variances 0.6 alpha^2 + 0.1 e and 1 / kappa: the mean is `sum`, the spread is `both / |sum|`, and
+// q = y / (1 + y) replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15 q)) / 2, where m is
+// the mean normal's cosine. The constants are fitted to the whole highlight (tests/gl/ggx_lobe_test); Smith's V of two
+// means causes a larger error than these constants. A lobe without width gives the result for one normal. Cosines are
+// doubled until the end.
 float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, vec3 h, float alpha) {
   float x = alpha * alpha;
   float e = multum_one_minus_cosine(mu, h);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers for renderers that draw one lobe and one normal of it per pixel. They are blue noise over the picture,
-// so neighbouring pixels have different errors, and evenly spread over the frames of each pixel.
+// Random numbers for renderers that draw one lobe, and one of its normals, per pixel. The numbers are blue noise over
+// the picture, so neighbouring pixels have different errors. Over the frames of a pixel they are evenly spread.
 
-const float MULTUM_BLUE_NOISE_FRAMES = 1024.0;  // frames with different numbers
+const float MULTUM_BLUE_NOISE_FRAMES = 1024.0;  // number of frames before the numbers repeat
 
 // Returns three numbers from 0 to 1: the first selects the lobe, the others are for multum_movmf_drawn_normal().
 // `noise`: RGBA8, 64 x 64, host/formats/sampling/blue_noise.h, with any sampler, because texels are read at their

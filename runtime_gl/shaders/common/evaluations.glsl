@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides how a pixel spends its evaluations of the material. An evaluation is of one lobe at one point. If the normals
-// under a pixel are similar, evaluations go to points, whose lobes are added up to one. If the normals scatter,
-// evaluations go to lobes, at as many points as remain; if there are more lobes than evaluations, the most similar
-// lobes are added up. The decision depends on the spread 1 - |r| of the sum of all lobes: evaluations go to lobes from
-// MULTUM_SPREAD_OF_LOBES on. One lookup reads this sum, two levels finer than the level of the pixel's longer side.
+// Decides how a pixel spends its evaluations of the material. An evaluation shades one lobe at one point. If the
+// normals under a pixel are similar, evaluations are spent on points, whose lobes are added up to one. If the normals
+// scatter, evaluations are spent on lobes, at as many points as remain. If there are more lobes than evaluations, the
+// most similar lobes are added up. The decision depends on the spread 1 - |r| of the sum of all lobes: from
+// MULTUM_SPREAD_OF_LOBES on, evaluations are spent on lobes. This sum is read by one lookup, two levels finer than the
+// level of the pixel's longer side.
 //
 //     float points = multum_movmf_spread(sum) > MULTUM_SPREAD_OF_LOBES ? multum_lobe_points(16.0, 4.0) : 16.0;
 //     vec2 grid = multum_point_grid(points, length(dFdx(uv) * size), length(dFdy(uv) * size));

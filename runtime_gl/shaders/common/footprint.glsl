@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws one finest texel of those that the texture's filter averages at a place, with its weight in the filter. It
-// draws a tap evenly among those of the footprint, and a level by the fraction of the level of detail. It draws a texel
-// of that level by the bilinear weights, and a finest texel evenly among those that this texel covers. The mean of many
-// draws is the result of filtering exact distributions: this reference differs from a baked map only by the limits of
-// the map's texels.
+// Chooses at random one of the finest texels that the texture's filter averages at a place; a texel's probability is
+// its weight in the filter. It chooses uniformly one of the footprint's taps, and a level by the fraction of the level
+// of detail. It chooses a texel of that level by the bilinear weights, and then uniformly one of the finest texels that
+// this texel covers. The mean of many draws is the result of filtering exact distributions: this reference differs from
+// a baked map only by the limits of the map's texels.
 uniform int u_wrap_s, u_wrap_t;  // 0 black, 1 clamp, 2 periodic, 3 mirror
 const ivec2 MULTUM_NO_TEXEL = ivec2(-1);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades one filtered planar Gaussian: Tan et al. 2005, section 3. Follows movmf_shading.glsl, whose constants it uses.
-// A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude, mean (n_x, n_y), variance of one
-// coordinate. All are linear in the normals: let the hardware filter them.
+// A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude a, mean mu of (n_x, n_y), variance
+// sigma^2 of one coordinate. All four values are linear in the normals: let the hardware filter them.
 //
 // In this model, facets also scatter as a Gaussian over (n_x, n_y), so variances add.
 // kernels/device/gmm_shading.clh has the same formulas; tests/agreement compares both with double precision.
@@ -27,8 +27,8 @@ float multum_gmm_facet_variance(vec4 lobe, float s) {
   return (1.0 - 0.5 * min(dot(mean, mean), 1.0)) / (s + 3.0);
 }
 
-// Returns the facets' density per solid angle at the unit vector h over the lobe, times the amplitude: D(h) = G(h_x,
-// h_y) h_z.
+// Returns the facets' density per solid angle at the unit vector h, convolved with the lobe, times the amplitude: D(h)
+// = G(h_x, h_y) h_z.
 float multum_gmm_density(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   vec2 d = h.xy - multum_gmm_mean(lobe);

@@ -63,8 +63,8 @@ float multum_vmf_spread(float kappa) {
 }
 
 // Returns the lobe without a BRDF's width, for diffuse light, which does not depend on roughness. If lobes contain a
-// BRDF's width (multum:roughness), this width has shortened them by a factor, which is known only as its mean over the
-// map (multum:meanCosine).
+// BRDF's width (multum:roughness), this width has shortened them by a factor. Only the factor's mean over the map is
+// known (multum:meanCosine).
 vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
   return vec4(lobe.xyz * min(1.0 / mean_cosine, lobe.w / max(length(lobe.xyz), 1e-12)), lobe.w);
 }
@@ -98,10 +98,10 @@ vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
   return vec4(sum / max(size, 1e-6), d > 0.0 ? multum_vmf_spread(size) : 0.0);  // one direction: that normal
 }
 
-// Returns the highlight's cosine: the mean of max(n . l, 0) over those normals. Times f over the lobe, it is the
-// integral of f(n . h) max(n . l, 0). For vMFs the integral is exact except for the 0.22 % above. For Blinn-Phong,
-// replaced by the vMF of the same mean cosine, the relative L1 error over l and the eye is at most 5.5 % at s = 1, 1.2
-// % from 5 and 0.25 % from 20.
+// Returns the highlight's cosine: the mean of max(n . l, 0) over those normals. Multiplied by f convolved with the
+// lobe, it gives the integral of f(n . h) max(n . l, 0). For vMFs the integral is exact except for the 0.22 % above.
+// For Blinn-Phong, replaced by the vMF of the same mean cosine, the relative L1 error over l and the eye is at most 5.5
+// % at s = 1, 1.2 % from 5 and 0.25 % from 20.
 float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa) {
   vec4 normals = multum_movmf_reflecting_normals(lobe, h, facet_kappa);
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
@@ -126,10 +126,10 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
 }
 
 // Returns the mean of a normal map's normals for a pixel that is smaller than a texel, or slightly larger. Between
-// texels the filter's mean is as short as if the pixel saw all four of them. If normals turn by g per texel, the mean
-// loses g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2 of this loss, and the
-// whole loss from w^2 = 2 on, where coarser levels take over. `map_lod` is log2 w, where w is the pixel's longer side.
-// `lobe` is (a r, a); a is less than 1 only at a black border. Not for files with roughness in their lobes
+// texels, the filter's mean is as short as if the pixel covered all four texels. If normals turn by g per texel, the
+// mean loses g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2 of this loss,
+// and the whole loss from w^2 = 2 on, where coarser levels take over. `map_lod` is log2 w, where w is the pixel's
+// longer side. `lobe` is (a r, a); a is less than 1 only at a black border. Not for files with roughness in their lobes
 // (multum:roughness), because their lengths also contain the BRDF's width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);
@@ -138,20 +138,20 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   return vec4(lobe.xyz * (mix(lobe.w, size, seen) / size), lobe.w);
 }
 
-// Returns the share of the normal map, one more lobe in files whose finest stored level L = multum:firstLevel is not 0.
-// The lobe maps begin at L; the levels finer than L come from the normal map. Its mips must be averages of unit vectors
-// that keep their length (a float or snorm texture with x, y and z, or an unsigned one decoded after filtering). That
-// length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
+// Returns the share of the normal map, which is one more lobe in files whose finest stored level L = multum:firstLevel
+// is not 0. The lobe maps begin at L; the levels finer than L come from the normal map. Its mips must be averages of
+// unit vectors that keep their length (a float or snorm texture with x, y and z, or an unsigned one decoded after
+// filtering). That length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
 //
 //     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
 //     float share = multum_normal_map_share(lod);
 //     vec4 lobe = share * multum_movmf_magnified(vec4(texture(normal_map, uv).xyz, 1.0), lod + L);   // shade it, and
 //     vec4 lobe_J = (1.0 - share) * texture(lobe_map[J], uv);                                        // for every J it
 //
-// `lod` is the level of detail of the lobe maps before clamping: 0 at L, -1 at L - 1. From L on the normal map's share
-// is 0, up to L - 1 it is 1, and between them it mixes linearly, as trilinear filtering would. Everything above is
-// linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of detail must stop at
-// L - 1 (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour comes from
-// the albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side. multum_movmf_magnified() needs
-// the longer side: the larger of dFdx and dFdy of uv times the map's size.
+// `lod` is the level of detail of the lobe maps before clamping: 0 at L, -1 at L - 1. The normal map's share is 0 from
+// L on, 1 up to L - 1, and linear in between, as in trilinear filtering. All functions above are linear in (a r, a), so
+// a share of a lobe is shaded to the same share of its light. The normal map's own level of detail must stop at L - 1
+// (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour comes from the
+// albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side. multum_movmf_magnified() needs the
+// longer side: the larger of dFdx and dFdy of uv times the map's size.
 float multum_normal_map_share(float lod) { return clamp(-lod, 0.0, 1.0); }

@@ -44,7 +44,7 @@ uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
 #endif
 
 #ifdef MULTUM_ROUGHNESS
-uniform float u_mean_cosine;  // mean cosine of the roughness in the normals' lengths; not used for diffuse light
+uniform float u_mean_cosine;  // mean cosine of the roughness in the normals' lengths; not for diffuse light
 #endif
 
 #ifdef MULTUM_REFERENCE

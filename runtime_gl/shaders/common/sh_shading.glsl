@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades filtered spherical harmonics of the normals under a fragment (Han et al. 2007, section 5), in the format of
-// `multum bake --ndf sh`: four coefficients per layer of a texture array, l*l + l + m - 1 of (l, m) from l = 1. They
-// are linear, so hardware filters them exactly, for any spread. A renderer defines
+// `multum bake --ndf sh`: four coefficients per layer of a texture array, l*l + l + m - 1 of (l, m) from l = 1.
+// Coefficients are linear in the normals, so hardware filters them exactly, for any spread. A renderer defines
 //
 //     MULTUM_SH_ORDER    the order of the file, multum:shOrder
 //     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)
@@ -53,7 +53,7 @@ void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float
 // Returns E[n], from the band l = 1.
 vec3 multum_sh_mean_normal(vec4 parts[MULTUM_SH_PARTS]) { return parts[0].zxy / 0.48860251; }
 
-// Returns E[n n^T], from the band l = 2. Order 1 has no such band; the result is then that of uniform directions.
+// Returns E[n n^T], from the band l = 2. Order 1 has no such band; the result is then the one for uniform directions.
 mat3 multum_sh_second_moments(vec4 parts[MULTUM_SH_PARTS]) {
 #if MULTUM_SH_ORDER < 2
   return mat3(1.0 / 3.0);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks up mip-mapped textures over the area that a pixel covers, in the same way on every driver. Texture coordinates
-// grow by two lengths across a pixel, along its row and its column. Takes N trilinear lookups ("taps") along the longer
-// length, at the level of the shorter length, similar to the example of GL_EXT_texture_filter_anisotropic. Textures of
-// lobes, moments and harmonics are linear in the normals, so the mean of taps equals the result of a wider filter.
+// Looks up mip-mapped textures over the area that a pixel covers, in the same way on every driver. Across a pixel,
+// texture coordinates change by one length along the row and by another along the column. Takes N trilinear lookups
+// ("taps") along the longer length, at the level of the shorter length, similar to the example of
+// GL_EXT_texture_filter_anisotropic. Textures of lobes, moments and harmonics are linear in the normals, so the mean of
+// taps equals the result of a wider filter.
 //
 //   longer, shorter   of |d(s, t)/dx| and |d(s, t)/dy|, in texels of level 0
 //   N                 ceil(longer / shorter), at most MULTUM_TAPS
@@ -14,9 +15,9 @@
 // shorter length, and the picture sparkles across it. And its taps are 1 / (N + 1) apart. A trilinear lookup reaches
 // twice the width of its level's texel, so neighbouring taps overlap, and a finer level is enough along the axis. Of 0,
 // 0.5, 0.75 and 1 octave, 0.75 had the lowest error against references of six real maps (2 taps, bias -0.25: 8.5 %; the
-// example has 9.9 %).
-// u_level_bias < 0 sharpens: at -0.79 one tap on a square footprint has the variance of the pixel's own box
-// (docs/evidence/WILLIAMS.md, "The factor").
+// error of the example is 9.9 %). u_level_bias < 0 sharpens: at -0.79 one tap on a square
+// footprint has the variance of the pixel's own box (docs/evidence/WILLIAMS.md, "The
+// factor").
 //
 // With MULTUM_DRIVER_FILTER the driver's sampler does all of this instead.
 #ifndef MULTUM_TAPS
@@ -43,7 +44,7 @@ vec2 multum_first_tap(vec2 st, MultumFootprint footprint) {
 MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
   float length_x = length(along_x), length_y = length(along_y);
   float longer = max(length_x, length_y), shorter = min(length_x, length_y);
-  // A whole-number ratio with a rounding error must not cost one more tap.
+  // A rounding error in a whole-number ratio must not add a tap.
   float ratio = min(longer / max(shorter, 1e-20), float(MULTUM_TAPS));
   int count = max(int(ceil(ratio - 1e-3)), 1);
   float width = count == 1 ? longer : max(shorter, longer / float(count) * MULTUM_TAP_OVERLAP);
@@ -70,7 +71,7 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 }
 #else
 #ifdef MULTUM_EVALUATIONS
-vec2 multum_part = vec2(1.0);  // share of the pixel's width and height that a footprint covers
+vec2 multum_part = vec2(1.0);  // share of the pixel's width and height that one footprint covers
 #else
 const vec2 multum_part = vec2(1.0);
 #endif
@@ -126,8 +127,8 @@ MultumFootprint multum_footprint_on(MultumFootprint footprint, ivec2 from_size, 
   return MultumFootprint(footprint.tap_step, footprint.tap_count, footprint.level + octaves);
 }
 
-// Returns one lobe of the normal map, which has the levels finer than the stored ones, over its footprint (after
-// movmf_shading.glsl). Without roughness in the lobes, the lobe is not wider than the normals that a pixel sees.
+// Returns one lobe of the normal map over its footprint (after movmf_shading.glsl). The normal map has the levels finer
+// than the stored ones. Without roughness in the lobes, the lobe is not wider than the normals that a pixel sees.
 vec4 multum_normal_map_lobe(sampler2D map, vec2 st, MultumFootprint footprint) {
   vec4 lobe = multum_filtered(map, st, footprint);
 #ifndef MULTUM_ROUGHNESS

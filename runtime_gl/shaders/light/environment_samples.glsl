@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the light of an environment on one normal by brute force. Takes MULTUM_ENVIRONMENT_SAMPLES directions where
 // the environment is bright (host/formats/light/light_samples.h) and as many cosine-weighted ones for the diffuse part.
-// For the highlight it takes as many half vectors of a GGX that is as wide as the facets; no density here has a longer
-// tail. A direction that two of these could have found is weighted by the sum of both densities (Veach and Guibas 1995,
-// the balance heuristic). Uses a low-discrepancy sequence, shifted by a hash of the pixel; `u_sample` counts pictures.
-// The map is constant over a texel.
+// For the highlight it takes as many half vectors of a GGX that is as wide as the facets; no other density here has a
+// longer tail. A direction that two of these densities could have produced is weighted by the sum of both densities
+// (Veach and Guibas 1995, the balance heuristic). Uses a low-discrepancy sequence, shifted by a hash of the pixel;
+// `u_sample` counts pictures. The map is constant over a texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // directions in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 

@@ -4,14 +4,14 @@
 // MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a mean
 // normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by weight k of the
 // lobes.
-// MULTUM_DRAWN_LOBE: a single normal, drawn from the lobes by amplitude for each of u_sample frames, with random
-// numbers of blue_noise.glsl; with MULTUM_HASHED, with those of footprint.glsl, which are white noise over the picture.
-// MULTUM_SHADE_FIRST: the lobes of all eight texels, each with its weight, so that shading precedes filtering. Lobes
-// that are not aligned need this; taps are then also shaded one by one.
-// MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map, not the texels' light.
-// MULTUM_WHOLE: amplitudes of a texel sum to 1, except for storage errors, and are rescaled to 1.
-// MULTUM_LOBE_LAYERS n: lobes have the format of multum export --lobes, 1 or 2 layers of an array per lobe, whose four
-// channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
+// MULTUM_DRAWN_LOBE: a single normal, drawn at random from the lobes by amplitude for each of u_sample frames. The
+// random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose numbers are white noise
+// over the picture. MULTUM_SHADE_FIRST: the lobes of all eight texels, each with its weight, so that shading precedes
+// filtering. Lobes that are not aligned need this; taps are then also shaded one by one. MULTUM_MAGNIFIED: between
+// texels of level 0, shows the surface of an interpolated normal map, not the texels' light. MULTUM_WHOLE: amplitudes
+// of a texel sum to 1, except for storage errors, and are rescaled to 1. MULTUM_LOBE_LAYERS n: lobes have the format of
+// multum export --lobes, 1 or 2 layers of an array per lobe, whose four channels are converted to (a r, a)
+// (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
 #define MULTUM_FIRST_LOBES u_lobe_layers
 uniform sampler2DArray u_lobe_layers;
@@ -48,7 +48,7 @@ uniform sampler2D u_weights[MULTUM_LOBE_COUNT];
 #define MULTUM_EACH_LOBE(j) for (int j = 0; j < MULTUM_LOBE_COUNT; ++j)
 #endif
 #ifdef MULTUM_EVALUATIONS
-int multum_part_count = MULTUM_PART_COUNT;  // 1 if all parts are added up
+int multum_part_count = MULTUM_PART_COUNT;  // number of parts; 1 if all are added up
 #endif
 #if MULTUM_PART_COUNT == 1
 #define MULTUM_EACH_PART(j) const int j = 0;
@@ -79,7 +79,8 @@ struct MultumSurface {
 #endif
 
 #if MULTUM_PART_COUNT > 1
-// Returns the two of the first `count` parts whose sum loses least of their lengths: the most similar, or the faintest.
+// Returns the two of the first `count` parts whose sum is least shorter than their lengths together: the most similar
+// or the faintest parts.
 ivec2 multum_alike_parts(vec4 lobes[MULTUM_PART_COUNT], int count) {
   ivec2 alike = ivec2(0, 1);
   float least = 1e30;
@@ -205,7 +206,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     vec2 corner = vec2(k & 1, (k >> 1) & 1);
     vec2 weights = mix(1.0 - fract(place), fract(place), corner);
     float weight = weights.x * weights.y * (k < 4 ? 1.0 - fract(lod) : fract(lod));
-    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // the texel's middle, where the filter mixes nothing
+    vec2 middle = (floor(place) + corner + 0.5) / level_size;  // the texel's middle, where no other texel is mixed in
     MULTUM_EACH_LOBE(j) {
       vec4 lobe = textureLod(u_lobes[j], middle, float(level));
 #ifdef MULTUM_COLOURS

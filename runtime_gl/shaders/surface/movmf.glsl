@@ -6,7 +6,7 @@
 #ifdef MULTUM_EVALUATIONS
 #define MULTUM_LOBES_ADD_UP
 
-// Adds all parts up to one, stored in the place of the first.
+// Adds all parts up to one part, which is stored in the place of the first.
 void multum_add_up(inout MultumSurface surface) {
   vec4 sum = vec4(0.0);
 #ifdef MULTUM_COLOURS
@@ -57,7 +57,7 @@ float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   float n_v = clamp(dot(multum_lobe_highlight(lobe, h, v), vec3(1.0)) / total, 0.0, 1.0);
   vec3 n = multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent;
   float size = length(n);
-  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // none where they are opposite and cancel
+  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // 0 where both are opposite and cancel
   return multum_visibility(n_l, n_v, n_h, dot(v, h));
 }
 #endif

@@ -3,14 +3,14 @@
 //   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// REFERENCE has variants that replace the nearest texel: MULTUM_DRAWN_TEXEL draws one of the four around,
-// MULTUM_FOOTPRINT draws one that the texture's filter averages, and MULTUM_INTERPOLATED interpolates the four normals.
-// MULTUM_ROUGHNESS: lengths of normals are a BRDF's width; REFERENCE uses each normal's own width.
-// MULTUM_ROUGHNESS_MAP (not REFERENCE): unit normals; the width comes from a roughness map, averaged plainly as in an
-// engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the map has colours. MULTUM_NORMAL_MAP:
-// levels finer than the stored ones come from the normal map. It has no moments of slopes, so these levels are shaded
-// by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come from the albedo map. MIP, TOKSVIG and LEAN
-// read a baked file of moments, or mips of the finest map, which are the same.
+// REFERENCE has variants that replace the nearest texel: MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
+// at random, MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages, and MULTUM_INTERPOLATED
+// interpolates the four normals. MULTUM_ROUGHNESS: the lengths of normals hold a BRDF's width; REFERENCE uses each
+// normal's own width. MULTUM_ROUGHNESS_MAP (not REFERENCE): unit normals; the width comes from a roughness map,
+// averaged plainly as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the map has
+// colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no moments
+// of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come from
+// the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the same.
 uniform sampler2D u_normals;  // REFERENCE: unit; others: averaged normal, w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
@@ -127,8 +127,8 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 }
 #endif
 
-// Smaller means have no material: they are beyond the border of a map that wraps black. Normals above the surface never
-// have a mean of 0.
+// Smaller means are places without material, beyond the border of a map that wraps black. Normals above the surface
+// never have a mean of 0.
 const float MULTUM_MEAN_MIN = 1e-12;
 
 // Returns the material's Blinn-Phong exponent. For a roughness p, alpha = p^2, its peak equals that of Beckmann's and
@@ -176,7 +176,7 @@ float multum_mean_cosine(vec3 mean, vec3 l) {
   return max(dot(mean, l), 0.0);
 }
 
-// The highlight's cosine is that of the averaged normal.
+// The highlight's cosine is the cosine of the averaged normal.
 MultumReflection multum_reflect_mean(vec3 mean, vec3 albedo, vec3 facets, float diffuse, vec3 l, vec3 v, vec3 h) {
   vec3 n = normalize(mean);
   float n_l = max(dot(n, l), 0.0);

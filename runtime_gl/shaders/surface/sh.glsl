@@ -7,14 +7,14 @@
 //
 // The highlight's cosine max(n . l, 0) also depends on n. It is replaced by one of
 //   MULTUM_SH_IRRADIANCE  its mean over all normals
-//   MULTUM_SH_DIRECTION   that of the mean normal's direction
-//   (neither)             that of the mean normal, shorter than 1
+//   MULTUM_SH_DIRECTION   the cosine of the mean normal's direction
+//   (neither)             the cosine of the mean normal, shorter than 1
 uniform sampler2DArray u_harmonics;
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours;
 #endif
 #ifdef MULTUM_ROUGHNESS
-uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // coefficients of max(n . l, 0), divided by the mean roughness
+uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // coefficients of max(n . l, 0), without the mean roughness
 #endif
 #ifdef MULTUM_BASIS
 uniform sampler2D u_weights;
@@ -124,7 +124,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_ENVIRONMENT
 // Returns the light that reaches Lambert, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl), over all
 // normals. This needs E[n] and E[n n^T], which the bands contain. Exact up to l = 2; only 1 % of Lambert's light is
-// above that. The quadratic part has no trace, so for rough normals bands 1 and 2 are scaled as for other light.
+// in higher orders. The quadratic part has no trace, so for rough normals bands 1 and 2 are scaled as for other light.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
   mat3 second = multum_environment_frame * multum_sh_second_moments(parts) * transpose(multum_environment_frame);
@@ -143,7 +143,7 @@ vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   return max(sum, vec3(0.0));
 }
 
-// The highlight is that of a lobe of the mean normal.
+// Uses the highlight of a lobe around the mean normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   MultumReflection sum = multum_environment_lobe(vec4(multum_sh_mean_normal(surface.parts), 1.0), v);
 #ifndef MULTUM_FRESNEL_DIFFUSE

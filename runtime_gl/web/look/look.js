@@ -73,7 +73,7 @@ class LookPage {
     this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
     this.gl = this.makeGl();
     this.dropped = null; // a dropped map
-    this.drawn = 0; // number of frames: a longer task can see that the view has changed
+    this.drawn = 0; // number of drawn frames, by which longer tasks notice that the view has changed
     this.addLoss();
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
@@ -110,7 +110,7 @@ class LookPage {
     this.setMeans(means);
     this.setLobes(file);
     this.setExported(exported);
-    // multum export fits the one-lobe export; the page cannot.
+    // Only multum export can fit the one-lobe export; the page cannot.
     for (const id of ["left", "right"])
       [...byId(id).options].find(({ value }) => value === "export").disabled = exported === null;
     byId("lock").replaceChildren(...[[-1, "by distance"], ...means.map((_, level) => [level, `level ${level}`])].map(

@@ -2,7 +2,7 @@
 // Files that the user drops onto the page or opens by its button: finds their type, and decodes .ndf.exr in a worker.
 const FILE_BYTES_MAX = 256e6;
 const DECODING_MS_MAX = 120000;
-const NORMALS_APART_MAX = 0.1; // root mean square of x and y; another map differs several times as much
+const NORMALS_APART_MAX = 0.1; // root mean square difference of x and y; different maps differ several times as much
 
 /** Returns "exr", "ktx2", "glb", "gltf" or "image", by a file's first bytes. */
 async function kindOf(file) {
@@ -78,7 +78,7 @@ class Drops {
     this.page = page;
     this.workerSource = workerSource;
     this.unfinished = null; // a decoded file that waits for its map
-    this.last = Promise.resolve(); // takes one file after another, in any order of arrival
+    this.last = Promise.resolve(); // handles one file after another, in any order of arrival
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();

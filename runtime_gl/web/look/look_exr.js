@@ -295,7 +295,7 @@ async function decodeExr(bytes, progress = () => {}) {
   const plan = exrPlan(bytes);
   const { parts, width, height, firstLevel, lobesFrom, lobeCount, levelCount } = plan;
   const partOf = (name, channels) => {
-    const part = parts.get(name) ?? exrRefuse(`no part ${name}`, "it, of a file of multum bake");
+    const part = parts.get(name) ?? exrRefuse(`no part ${name}`, "this part, as multum bake writes it");
     for (const one of channels)
       if (!part.channels.some(({ name: found }) => found === one)) exrRefuse(`no channel ${one}`, `it in ${name}`);
     return part;

@@ -9,7 +9,7 @@ void main() {
   gl_Position = vec4(vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0), 0.0, 1.0);
 }`;
 
-// The surface at st as the eye sees it.
+// The light that the surface at st sends to the eye.
 const LOOK_SHADED = `
 uniform float u_locked_level;  // level of the surface's texture; below -100: none
 vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
@@ -205,7 +205,8 @@ class LookGl {
     const texture = this.texture(gl.TEXTURE_2D, gl.RGBA8, levels[0], levels.length, gl.REPEAT, () => levels.forEach(
       (level, l) => gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.UNSIGNED_BYTE,
         level.bytes)));
-    // Counts BC5 and BC4, which engines store; here the textures are RGBA8. LookPage.factsOf says so.
+    // Counts the bytes of BC5 and BC4, which engines store, although the textures here are RGBA8. LookPage.factsOf
+    // shows this.
     this.materials.set(method, { texture, bytes: levels.reduce((sum, { width, height }) =>
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a dropped binary glTF as one list of triangles for the page to draw its map on: positions with z up, normals,
 // and texture coordinates from the image's first row. Reads the same data as glb.js for the player, plus normals. The
-// first normal map among its materials is its image.
+// first normal map among the materials is the model's image.
 const CORNERS_MAX = 3e6;
-const MODEL_RADIUS = 0.6; // about the middle of its box, which the camera looks at
-const MODEL_DISTANCE = 0.9; // distance at which such a model fills the picture
+const MODEL_RADIUS = 0.6; // radius about the middle of the model's box, which the camera looks at
+const MODEL_DISTANCE = 0.9; // distance at which a model of this radius fills the picture
 
 class FieldError extends Error {} // error type of glb.js
 
@@ -42,7 +42,7 @@ class ModelGlb extends Glb {
     const used = this.entries("materials").find((one) => one?.normalTexture !== undefined);
     if (used === undefined) return null;
     const texture = this.entry("textures", used.normalTexture.index);
-    if (texture.source === undefined) return null; // source is in an extension
+    if (texture.source === undefined) return null; // the source is in an extension
     const image = this.entry("images", texture.source);
     if (image.bufferView === undefined) return null;
     const view = this.entry("bufferViews", image.bufferView), from = view.byteOffset ?? 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads KTX2 files of multum, and makes the mips that engines make of a map with one normal per texel
 // (host/delivery/export/accuracy/export_rules.cpp).
-// host/delivery/look joins these classic scripts to one, so they have no imports.
+// host/delivery/look joins these classic scripts to one script, so they have no imports.
 const KTX2_IDENTIFIER = [0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb, 0x0d, 0x0a, 0x1a, 0x0a];
 const VK_R8 = 9, VK_RG8 = 16, VK_RGBA8 = 37, VK_RGBA16F = 97, VK_BC5 = 141;
 const SIDE_MAX = 16384, LAYERS_MAX = 64;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes materials of three.js draw lobes, or shade several points per pixel. Edits only their shaders, when these are
-// compiled (onBeforeCompile).
+// Makes materials of three.js draw lobes, or shade several points per pixel. Edits only the materials' shaders, when
+// they are compiled (onBeforeCompile).
 import { ClampToEdgeWrapping, MirroredRepeatWrapping, ObjectSpaceNormalMap, REVISION, ShaderChunk } from "three";
 import { fragmentWithLobes } from "./lobe_shading.js";
 import { fragmentAtPoints } from "./shading_points.js";
 
 const TAPS_MAX = 16;
-// Features of MeshPhysicalMaterial that need more from a normal than lobes have.
+// Features of MeshPhysicalMaterial that need more data of a normal than lobes provide.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
-// Least spread of a pixel's normals, two levels finer, for which evaluations go to lobes: README.md, "Evaluations".
+// Least spread of a pixel's normals, two levels finer, at which evaluations are spent on lobes: README.md,
+// "Evaluations".
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
 const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
 

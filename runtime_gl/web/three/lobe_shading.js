@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // GLSL that the add-on inserts into the fragment shader of MeshStandardMaterial and MeshPhysicalMaterial, around
 // multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, RE_Direct and similar
-// ones, after its shadows, attenuations and maps. The functions that depend on normals are replaced here by ones that
-// add up over lobes. Lobes are converted to view space, where three.js shades.
+// ones, after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions
+// that add up over lobes. Lobes are converted to view space, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
 import { fragmentAtPoints, replaced, VARIANCE } from "./shading_points.js";
 
@@ -47,10 +47,10 @@ vec3 multum_finest_normal(vec2 st, float level) {
 }
 `;
 
-// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. If normals are similar,
-// evaluations go to points of three.js's own material, from 4 evaluations on. Otherwise they go to lobes or, near the
-// level of the map, to points whose lobes are added up to one. If there are more lobes than evaluations, the most
-// similar lobes are added up.
+// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations; each shades one lobe at one point. If normals are
+// similar, evaluations are spent on points of three.js's own material, from 4 evaluations on. Otherwise they are spent
+// on lobes or, near the level of the map, on points whose lobes are added up to one. If there are more lobes than
+// evaluations, the most similar lobes are added up.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of each place before they are
 // added up. A map baked for a model with few polygons cancels the turns of its interpolated normals.
@@ -176,8 +176,8 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 }
 
 // Decides how to spend a pixel's evaluations, by the spread of all normals about it, one level finer than its own. Four
-// neighbouring pixels, which share derivatives, use one place between them, so they decide alike. All four must read
-// textures together, because the lookups need derivatives.
+// neighbouring pixels, which share derivatives, use one place between them, so that all four decide in the same way.
+// They must read textures together, because the lookups need derivatives.
 void multum_decide() {
 #if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
@@ -275,9 +275,9 @@ void RE_Direct_Multum(const in IncidentLight directLight, const in vec3 geometry
 #define RE_Direct RE_Direct_Multum
 `;
 
-// Light that three.js computes only for one normal and roughness: a lobe is reduced to its mean direction and a
-// roughness widened by the lobe's slopes, alpha^2 + 2 / kappa. The amount of reflected light follows from the surface's
-// roughness.
+// Light that three.js computes only for one normal and one roughness. A lobe is therefore reduced to its mean direction
+// and to a roughness that is widened by the lobe's slopes, alpha^2 + 2 / kappa. The amount of reflected light follows
+// from the surface's roughness.
 const INDIRECT = `
 float multum_widened_roughness(float roughness) {
   float alpha = pow2(roughness);

@@ -13,7 +13,7 @@ import { ggxLobeTable } from "./multum_lobes.js";
 
 const SIDE_MAX = 16384, LOBES_MAX = 8;
 const BYTES_OF_TEXEL = { [VK_FORMAT_R8G8B8A8_UNORM]: 4, [VK_FORMAT_R16G16B16A16_SFLOAT]: 8 };
-// docs/reference/lobe_textures.md allows clamping in place of a black border.
+// docs/reference/lobe_textures.md allows clamping instead of a black border.
 const WRAPPING = { periodic: RepeatWrapping, clamp: ClampToEdgeWrapping, mirror: MirroredRepeatWrapping,
   black: ClampToEdgeWrapping };
 
@@ -108,7 +108,7 @@ function factsOf(container, refuse) {
   const isLobe = (one) => Array.isArray(one?.columns) && one.columns.length === 4 && one.columns.every(isVector) &&
     isVector(one.offset);
   if (!Array.isArray(facts.lobes) || !isWhole(facts.lobes.length, 1, LOBES_MAX) || !facts.lobes.every(isLobe))
-    refuse("lobes without their four columns and an offset", `1 to ${LOBES_MAX} with them`);
+    refuse("lobes without four columns and an offset each", `1 to ${LOBES_MAX} with them`);
   checkSides(container, facts, refuse);
   const { pixelWidth, pixelHeight, layerCount, vkFormat } = container;
   const found = `${pixelWidth} x ${pixelHeight} texels in ${layerCount} layers`;
@@ -192,7 +192,7 @@ function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
 export class LobeLoader extends Loader {
   constructor(manager) {
     super(manager);
-    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: this draws everywhere and takes twice the bytes
+    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: works everywhere and takes twice the bytes
   }
 
   detectSupport(renderer) {
@@ -240,7 +240,7 @@ export class LobeLoader extends Loader {
     const facts = factsFrom(container, refuse);
     const levels = await levelsOf(container, refuse).catch((error) => {
       if (error.message.startsWith(name)) throw error;
-      refuse(`levels that cannot be decompressed (${error.message})`, "them as the export wrote them");
+      refuse(`levels that cannot be decompressed (${error.message})`, "the levels that the export wrote");
     });
     const isBc5 = container.vkFormat === VK_FORMAT_BC5_UNORM_BLOCK;
     // WebGL supports block compression only for sides that are multiples of the block size.

@@ -7,7 +7,7 @@
 export function replaced(text, from, to, revision) {
   if (!text.includes(from))
     throw new Error(`@multum/three: found no ${from.trim()} in the shaders of three.js r${revision}, expected one as ` +
-      "r187 has it: a newer version of the package may know this release");
+      "r187 has it: a newer version of the package may support this release");
   return text.replace(from, () => to);
 }
 

@@ -37,7 +37,7 @@ double density_of(const glm::dvec3& normal, double alpha, const glm::dvec3& half
   return nh > 0.0 ? a2 / (std::numbers::pi * d * d) * nh : 0.0;
 }
 
-// Returns a lobe half as wide again as the facets and normals together.
+// Returns a lobe that is 1.5 times as wide as the facets and normals together.
 GgxLobe wide_lobe(const CoveredFacets& facets) {
   const double spread = 2.0 * (1.0 - glm::length(facets.mean_normal));
   return GgxLobe::isotropic(glm::normalize(facets.mean_normal),
@@ -57,7 +57,7 @@ std::vector<LightSet> empty_views(SplitMix64& random) {
   return views;
 }
 
-// Only lights above the surface count. The surface itself hides lights below it, whatever the mapped normal is.
+// Only lights above the surface count, because the surface itself hides lights below it, whatever the mapped normal is.
 bool is_lit(const glm::dvec3& view, const glm::dvec3& half, const glm::dvec3& light) {
   return light.z > 0.0 && glm::dot(view, half) > 1e-6;
 }
@@ -141,7 +141,7 @@ ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, s
     for (int k = 0; k < lights_per_view; ++k) {
       glm::dvec3 half;
       if (k < narrow_count) {
-        // Facets are taken in turn; a texel gets as many samples as its weight says.
+        // Facets are used in turn; the number of samples of a texel is proportional to its weight.
         const double place = (k + random.uniform()) / narrow_count;
         while (i + 1 < facets.weights.size() && covered + facets.weights[i] < place) covered += facets.weights[i++];
         half = random_half_vector(facets.normals[i], std::sqrt(facets.alpha_squared[i]), random);
@@ -180,7 +180,7 @@ ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, st
       if (!is_lit(set.view, half, light)) continue;
       const double density = density_of(wide.normal, wide.alpha_wide, half);
       const double share = 4.0 * glm::dot(set.view, half) / (density * lights_per_view) / double{kWideLightPoints};
-      // Points form a spiral over the disc. Points behind the surface give no light.
+      // The points form a spiral over the disc. Points behind the surface emit no light.
       const Frame3 about(light);
       const double turn = random.uniform();
       for (std::size_t p = 0; p < kWideLightPoints; ++p) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the reference highlight of one texel of a level. The reference is the mean highlight of all finest texels
-// that the texel covers, each with its own roughness. Lights are drawn where the highlights are.
+// that the texel covers, each with its own roughness. Lights are sampled where the highlights are bright.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,8 @@ struct ReferenceLights {
 /// quarter comes from a lobe that is wider than all facets together. Different seeds give different lights.
 ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 
-/// Draws lights 20 degrees across. Each light is `points` neighbours in the list, whose shares are for the whole light.
+/// Draws lights 20 degrees across. Each light consists of `points` neighbours in the list, whose shares refer to the
+/// whole light.
 ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 constexpr std::size_t kWideLightPoints = 16;
 
@@ -58,7 +59,7 @@ struct LobeError {
 /// Computes the highlight of each light of a view.
 using HighlightsOf = std::function<void(const LightSet& lights, std::vector<double>& values)>;
 
-/// Returns the error of highlights. `points` neighbours make one light: 1, or kWideLightPoints.
+/// Returns the error of highlights. `points`: how many neighbours make one light, 1 or kWideLightPoints.
 LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points = 1);
 LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points = 1);
 

@@ -112,8 +112,8 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   const double alpha = settings.base_roughness * settings.base_roughness;
   const CoveredFacets facets = covered_facets(inputs.fitted_normals(), inputs.has_roughness ? inputs.material : nullptr,
                                               alpha * alpha, cell.width, cell.height, cell.x, cell.y);
-  // All exports use the same lights, so that exports of one map can be compared. A search sees other lights than the
-  // lights that judge all results.
+  // All exports use the same lights, so that exports of one map can be compared. A search uses different lights from
+  // those that measure the results.
   const std::uint64_t seed = split_mix(static_cast<std::uint64_t>(cell.level) << 40 |
                                        static_cast<std::uint64_t>(cell.y) << 20 | static_cast<std::uint64_t>(cell.x));
   const ReferenceLights points = point_lights(facets, settings_.lights_per_view, 2 * seed);

@@ -21,7 +21,7 @@ namespace multum {
 struct ExportAccuracySettings {
   std::vector<int> levels = {2, 4, 6};  // levels that the map lacks are skipped
   int cells_per_level = 16;             // measured texels per level
-  // The standard error of the integral per map and level is then below 1 % in the median of the maps in
+  // With this number, the standard error of the integral per map and level is below 1 % for the median of the maps in
   // docs/evidence/EXPORT.md.
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
@@ -64,10 +64,11 @@ struct ExportAccuracy {
 /// Collects the stored rows of an export, then measures them.
 class ExportMeter : public MaterialSink {
  public:
-  /// `baked`: a file that has the levels and whose lobes are also measured; null: none. It must outlive this object.
+  /// `baked`: a file with the levels, whose lobes are also measured; null: none. The file must outlive this object.
   ExportMeter(int width, int height, const ExportAccuracySettings& settings, BakedLobes* baked = nullptr);
   void add_level(int level, int first_row, MaterialRows rows) override;
-  /// Measures after all rows have arrived. Progress: names its stage and cancels between cells; counts no units.
+  /// Measures after all rows have arrived. Progress: gets the name of the stage, and can cancel between cells; counts
+  /// no units.
   ExportAccuracy run(const OneLobeInputs& inputs, const OneLobeSettings& settings, Progress* progress);
 
  private:

@@ -12,7 +12,7 @@ namespace {
 double averaged(double, double roughness) { return roughness; }
 
 // V is the Toksvig variance of the normals, less the error of 8-bit storage. V lowers the Beckmann exponent that
-// matches alpha. a2: alpha^2.
+// corresponds to alpha. a2: alpha^2.
 double unreal(double length, double roughness) {
   const double a2 = std::pow(std::max(roughness, 1e-3), 4.0);
   if (a2 >= 1.0) return 1.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Searches for the best single lobe under given lights. Exports are compared with this lobe. Its error is an upper
-// bound of the least error, since a search may end early.
+// bound of the least error, because a search may end early.
 #pragma once
 
 #include "host/delivery/export/accuracy/cell_reference.h"

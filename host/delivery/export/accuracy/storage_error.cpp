@@ -18,15 +18,16 @@
 namespace multum {
 namespace {
 
-// Places per level, views per place and lights per view. Results of two such sets differ by a twentieth of the error.
+// Places per level, views per place and lights per view. The results of two such sets differ by a twentieth of the
+// error.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
 constexpr double kViewAngleMax = 70.0;  // angle to the map's z axis, degrees
 constexpr double kAlbedo = 0.5;         // albedo where the surface is not metal
-// Ambient light relative to unit lights: it scatters as much as they do. Real pictures have both.
+// Ambient light relative to unit lights: both cause the same amount of scattered light. Real pictures contain both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
-// Relative L1 error of a picture with exact textures, from edges and sampling. In docs/evidence/GLTF_EXAMPLE.md the
-// error is 1 to 2 % where level 0 is visible. The medians from 5, 25 and 50 m, at about levels 3, 5 and 6, are 9, 14
-// and 20 %.
+// Relative L1 error of a picture with exact textures, which comes from edges and sampling. In
+// docs/evidence/GLTF_EXAMPLE.md the error is 1 to 2 % where level 0 is visible. The medians from 5, 25 and 50 m, at
+// about levels 3, 5 and 6, are 9, 14 and 20 %.
 constexpr double kFinestPictureError = 0.012, kPictureErrorPerLevel = 0.03;
 constexpr double kDielectric = 0.04, kMetal = 0.9;  // reflectance at normal incidence
 
@@ -286,7 +287,7 @@ StorageError lobe_storage_error(const std::vector<LobeLevel>& exact, const std::
       for (const glm::dvec4& lobe : right) mean += lobe;
       const double length = glm::length(glm::dvec3(mean));
       if (!(length > 1e-6)) return;
-      // Draws lights from the highlights of all lobes together.
+      // Samples lights from the highlights of all lobes together.
       const double alpha = std::sqrt(std::pow(surface.roughness, 4.0) + 2.0 * std::max(1.0 - length, 0.0));
       const SampledSurface together{glm::dvec3(mean) / length, std::clamp(alpha, kAlphaMin, 1.0), surface.metalness};
       for (int v = 0; v < kViews; ++v) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how much a texel format adds to a picture's error. Shades a material's levels once as they are stored and
+// Measures how much a texel format raises a picture's error. Shades a material's levels once as they are stored and
 // once exactly, at many places and from many views, under a light and ambient light. Samples midway between two levels,
-// as a trilinear sampler does. The material is metal where its texture says so; elsewhere half of the incoming light is
+// as a trilinear sampler does. The texture's metalness selects metal; elsewhere, half of the incoming light is
 // scattered. Errors of normals are most visible in metals and in smooth materials.
 #pragma once
 
@@ -34,7 +34,7 @@ struct StorageError {
 /// Compares `stored` with `exact`, levels of the same material. Throws Error(kEnvironment) if a file cannot be read.
 StorageError storage_error(const MaterialLevels& exact, const MaterialLevels& stored);
 
-/// The surface under lobes, equal everywhere.
+/// The surface properties under lobes, the same at every place.
 struct LobeSurface {
   double roughness = 1.0;  // perceptual
   double metalness = 1.0;

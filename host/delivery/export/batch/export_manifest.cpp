@@ -35,7 +35,7 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// Refuses the names that make_export_jobs() would refuse, and names the line.
+// Rejects the names that make_export_jobs() would reject; the error names the line.
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
@@ -81,7 +81,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
 }
 
 void check_places_differ(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> records;  // record of an export -> its map
+  std::map<std::string, std::string> records;  // record of an export -> map of the export
   for (const ManifestEntry& entry : entries)
     for (const ManifestExport& map : entry.maps) {
       const auto [other, is_new] = records.emplace(canonical_name(export_record_file(map.job)), map.job.input);

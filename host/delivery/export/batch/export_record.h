@@ -11,9 +11,9 @@
 namespace multum {
 
 enum class ExportFinding {
-  kInPlace,  // made of these files with these settings by this program, and every byte is as it was written
+  kInPlace,  // made from these files with these settings by this program, and unchanged since
   kMissing,  // no record, or a file is missing
-  kStale,    // made of other files, with other settings or by another program
+  kStale,    // made from other files, with other settings or by another program
   kDamaged,  // a file differs from the file that was written
 };
 

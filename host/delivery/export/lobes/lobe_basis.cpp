@@ -50,7 +50,7 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
   LobeBasis basis;
   const double amplitude = normal[2][2];
   if (amplitude <= 0.0) return basis;  // the lobe has no amplitude in any texel
-  // A ridge of 1e-6: if x or y is 0 everywhere, it predicts nothing.
+  // A ridge of 1e-6, so that x or y predicts nothing if it is 0 everywhere.
   for (int i = 0; i < 3; ++i) normal[i][i] += 1e-6 * amplitude;
   basis.mean = glm::dvec2(normal[2]) / amplitude;
   basis.predictor = glm::inverse(normal) * right;

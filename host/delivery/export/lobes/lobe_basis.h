@@ -7,8 +7,9 @@
 //
 // The coefficients come from weighted least squares over all texels of the lobe. s is a second moment: 1 - r_z is half
 // the mean square of the normals' x and y, up to fourth-order terms. The spread 1 - |r| is therefore s without the
-// squares of x and y over a. s' is small if lobes of one number point in one direction; eight or sixteen bits then keep
-// the spread. A filter gives the exact s of a mixture. A stored spread would lack the differences between the texels.
+// squares of x and y divided by a. s' is small if the lobes of one index point in one direction; eight or sixteen bits
+// then keep the spread. Filtering gives the exact s of a mixture. A filtered spread would not include the differences
+// between the texels.
 #pragma once
 
 #include <array>
@@ -23,7 +24,7 @@ namespace multum {
 /// Returns x, y, s, a of a lobe.
 glm::vec4 moments_of(const glm::vec4& lobe);
 
-/// The coefficients of x', y', s' and a, and the ranges that channels from 0 to 1 span.
+/// The coefficients of x', y', s' and a, and the ranges to which channels from 0 to 1 are mapped.
 struct LobeBasis {
   glm::vec2 mean{0.0f};             // m_x, m_y
   glm::vec3 predictor{0.0f};        // c_x, c_y, c_a

@@ -15,12 +15,12 @@ namespace {
 
 constexpr int kBandRows = 64;  // rows of a level per band: a multiple of a block's side
 
-// Weights of errors. A lobe's error is weighted by its amplitude: small lobes keep their direction and spread, and
-// large lobes compensate errors of the sums. Broader lobes weigh less, because errors of their moments are less
-// visible. With these weights of the sums, a real map (a barrel, 2048 x 2048, BC5) has at level 3 an error of the sum
-// of amplitudes of 1.5 % rms instead of 2.9 %, and of the mean normal of 1.4 degrees instead of 1.6. The table lists
-// the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points. Columns:
-// lobes one by one; lobes together with weights of 1 / amplitude; these weights.
+// Weights of errors. A lobe's error is weighted by its amplitude, so that small lobes keep their direction and spread,
+// and large lobes compensate errors of the sums. Broader lobes have less weight, because errors of their moments are
+// less visible. With these weights of the sums, a real map (a barrel, 2048 x 2048, BC5) has at level 3 an error of the
+// sum of amplitudes of 1.5 % rms instead of 2.9 %, and of the mean normal of 1.4 degrees instead of 1.6. The table
+// lists the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points.
+// Columns: lobes one by one; lobes together with weights of 1 / amplitude; these weights.
 //
 //     barrel, 2048 x 2048                          1.47   1.49   1.37
 //     Corset, 256 x 256                            0.50   0.74   0.46
@@ -35,7 +35,7 @@ struct StoredMoments {
 
 // Returns the moment s that gives a lobe of amplitude `a` the wanted spread, for the given x and y.
 float s_of_spread(const glm::vec4& lobe, float x, float y, float a) {
-  if (lobe.w <= 0.0f) return a;  // no lobe here: an amplitude from rounding errors has no direction
+  if (lobe.w <= 0.0f) return a;  // no lobe: an amplitude from rounding errors has no direction
   const float scale = a / lobe.w;
   const float square = scale * scale * glm::dot(glm::vec3(lobe), glm::vec3(lobe)) - x * x - y * y;
   const float z = std::sqrt(std::max(square, 0.0f));

@@ -2,7 +2,7 @@
 // Encodes the lobes of a level as layers of a lobe texture. Channels are encoded one after the other; each compensates
 // the errors of the earlier channels. The order is: the amplitude a; x and y for the stored amplitude; s for the wanted
 // spread with the stored a, x and y. Errors of the channels then do not add up in the spread, which is a small
-// difference of the channels and sets the highlight's width. All lobes of a channel are rounded together
+// difference of channels and determines the highlight's width. All lobes of a channel are rounded together
 // (host/delivery/export/lobes/lobe_rounding.h), so that a texel keeps its sum of amplitudes and its mean normal.
 #pragma once
 

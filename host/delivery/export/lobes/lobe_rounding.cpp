@@ -112,7 +112,7 @@ class ByteRounding : public LobeRounding {
   std::vector<std::vector<std::uint8_t>> layers_;
 };
 
-// A BC4 block whose texels may choose other ones of its eight values.
+// A BC4 block whose texels can choose different values among its eight.
 class RechosenBlock {
  public:
   explicit RechosenBlock(std::uint8_t* block) : block_(block) {
@@ -151,9 +151,9 @@ class RechosenBlock {
   std::uint64_t codes_ = 0;
 };
 
-// Stores two BC5 layers per lobe: one BC4 block per channel. First, the blocks of one lobe after the other get ends
-// that compensate the errors of all other lobes. Then the texels of all lobes together choose among their blocks'
-// values.
+// Stores two BC5 layers per lobe: one BC4 block per channel. First, for one lobe after the other, the blocks get
+// endpoints that compensate the errors of all other lobes. Then the texels of all lobes together choose among their
+// blocks' values.
 class BlockRounding : public LobeRounding {
  public:
   BlockRounding(BlockEncoder& encoder, int lobe_count, int width, int row_count)
@@ -163,7 +163,7 @@ class BlockRounding : public LobeRounding {
 
   void round(int channel, std::vector<RoundedChannel>& lobes, const std::vector<float>& sums,
              float sum_weight) override {
-    // Each block begins with the ends that fit its own lobe's values best.
+    // Each block begins with the endpoints that fit its own lobe's values best.
     std::vector<Encoded> all;
     for (const RoundedChannel& lobe : lobes) all.push_back(encoded(lobe, lobe.wanted));
     for (std::size_t j = 0; j < lobes.size(); ++j) make_up(j, lobes, sums, sum_weight, all);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds a channel of all lobes of some rows to values that a lobe texture can store. The lobes of a texel are rounded
-// together: each takes the storable value below or above the wanted one, in the combination with the least error of the
-// values and of their sum. If lobes were rounded one by one, their errors would add up in the sum of amplitudes and in
-// the mean normal.
+// together: each lobe uses the storable value below or above the target value, in the combination with the least error
+// of the values and of their sum. If lobes were rounded separately, their errors would add up in the sum of amplitudes
+// and in the mean normal.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the page of an export. The page has the measured tables, the surface drawn from three distances by every
-// filtering method, energy next to error, and moving pictures. It is one self-contained file.
+// Writes the page of an export. The page shows the measured tables, the surface drawn from three distances by every
+// filtering method with energy and error, and moving pictures. It is one self-contained file.
 #pragma once
 
 #include <map>

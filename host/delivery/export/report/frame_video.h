@@ -10,7 +10,7 @@ namespace multum {
 
 struct VideoFrames {
   int width = 0, height = 0;  // even
-  int enlarged = 2;           // side of the square that shows a pixel, 1..8
+  int enlarged = 2;           // side of the square that shows one pixel, 1..8
   int frames_per_second = 24;
   std::vector<std::vector<std::uint8_t>> frames;  // width * height
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws one surface under one light by every filtering method. A picture is a square of pixels; the distance sets how
-// many finest texels lie under one pixel. The reference shades every finest texel under a pixel.
+// Draws one surface under one light by every filtering method. A picture is a square of pixels; the distance determines
+// how many finest texels are under one pixel. The reference shades every finest texel under a pixel.
 #pragma once
 
 #include <string>

@@ -21,7 +21,7 @@ constexpr int kLastLevel = 6;
 constexpr int kFrameCount = 48;      // frames per motion: two seconds
 constexpr double kTurnReach = 0.15;  // slope of the circling half vector
 constexpr double kTurnLevel = 4.0;
-constexpr double kWhiteShare = 0.98;  // share of the reference's pixels that are darker than white
+constexpr double kWhiteShare = 0.98;  // share of the reference's pixels that must be darker than white
 
 // Stores levels from kStudyFirstLevel on as a texture: normal, roughness, axis and strength.
 class LevelSink : public MaterialSink {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares filtering methods by pictures and motion: averaged normals, the engines' rules, the exported lobe (isotropic
-// and anisotropic), and the lobes of a bake. Each is compared with the reference.
+// and anisotropic), and the lobes of a bake. Each method is compared with the reference.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace multum {
 struct StudyPicture {
   std::vector<std::uint8_t> grey;  // kFrameSide * kFrameSide
   double error = 0.0;              // relative L1 of the highlight
-  double energy = 1.0;             // relative to the reference
+  double energy = 1.0;             // energy relative to the reference
 };
 
 /// Pictures from one distance: the reference, then each model.
@@ -30,9 +30,9 @@ struct StudyDistance {
 struct StudyFlicker {
   double error = 0.0;  // relative L1
   // Sum over frames and pixels of |change of the model - change of the reference|, over the sum of the reference. The
-  // value measures false or missing flicker per frame. It is 0 for the reference.
+  // value measures false or missing flicker per frame; the value of the reference is 0.
   double flicker = 0.0;
-  double change = 0.0;  // the same sum of |change of the model| only
+  double change = 0.0;  // the same sum with only |change of the model|
 };
 
 struct StudyMotion {

@@ -7,8 +7,8 @@
 // PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "decoded": FILE, "levels":
 // [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level (level_file.h). The output is rows
 // of 16-byte blocks, level after level. "normals": true is for normal maps: their blocks are chosen by the angle errors
-// of the normals. "decoded" is optional; this file gets the decoded texels in the form of the input. Without "input"
-// the script only looks for the package. Exit code 3: the package is missing.
+// of the normals. "decoded" is optional; this file gets the decoded texels in the format of the input. Without "input"
+// the script only searches for the package. Exit code 3: the package is missing.
 import { closeSync, existsSync, openSync, readFileSync, readSync, writeSync } from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";

@@ -16,9 +16,9 @@ struct UastcSettings {
   std::string option;   // the option that selects UASTC, "--format"; messages name it
   std::string folder;   // folder for files exchanged between the programs
   std::string encoder;  // folder of the package, or of the node_modules that contains it; empty: node's search path
-  int effort = 1;       // Basis Universal effort, 0..3: how many codings of a block are tried
+  int effort = 1;       // Basis Universal effort, 0..3; a higher effort tries more codings of a block
   int threads = 1;
-  // RGB are normals. Each block takes the coding with the lowest angle error, which is two to three times as slow.
+  // RGB are normals. Each block uses the coding with the lowest angle error; encoding takes two to three times as long.
   bool has_normals = false;
 };
 

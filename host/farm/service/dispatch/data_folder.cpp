@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kCountedFor = std::chrono::seconds(5);  // jobs write results without notice
+constexpr auto kCountedFor = std::chrono::seconds(5);  // jobs write results without notifying the daemon
 
 std::int64_t bytes_below(const std::string& folder) {
   std::int64_t bytes = 0;
@@ -70,7 +70,7 @@ std::int64_t DataFolder::bytes() {
     const std::lock_guard lock(mutex_);
     if (counted_ != Clock::time_point() && Clock::now() - counted_ <= kCountedFor) return bytes_;
   }
-  // Callers that ask for less than a walk over the folder do not wait for one.
+  // Small requests do not wait for a walk over the folder.
   std::int64_t counted = 0;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
@@ -93,7 +93,7 @@ void DataFolder::count_result(const std::string& output) {
   bytes_ += bytes;
 }
 
-// Removes the path beneath the descriptor of its folder, so that a link above has no effect.
+// Removes the path relative to the descriptor of its folder, so that links above the folder have no effect.
 void DataFolder::remove_own(const std::string& path, const char* why) {
   const std::int64_t bytes = bytes_on_disk(path);
   try {
@@ -175,7 +175,7 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   return upload;
 }
 
-// Removes a few files at a time: the ledger has other work.
+// Removes a few files at a time, because the ledger has other work.
 struct DataFolder::Sweep {
   static constexpr int kAtOnce = 200;
   std::chrono::hours upload_age;
@@ -232,7 +232,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     if (fs::remove(fmt::format("{}/logs/{}.log", path_, job), error))
       service_log(LogSeverity::kInfo, job, "the job was purged; removed its log");
     if (!output.empty() && is_used(output)) continue;
-    // A file that has replaced the result since, or was changed in it, has an unknown owner, and is not removed.
+    // Files that replaced the result, or that changed within it, have an unknown owner and are not removed.
     try {
       const bool is_ours = !identity.empty() && result_identity(own_, output) == identity;
       const bool is_folder = fs::is_directory(fs::symlink_status(output, error));
@@ -248,7 +248,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     const fs::directory_entry file(path, error);
     const bool is_there = file.exists(error);
     if (is_there && (is_used(path) || age_of(file) < sweep.upload_age)) continue;
-    if (is_there) remove_own(path, "an upload that no job needs any more");
+    if (is_there) remove_own(path, "an upload that no job needs");
     const std::string folder = fs::path(path).parent_path().string();
     if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // fails if it holds another result
     queue.files().forget_upload(path);

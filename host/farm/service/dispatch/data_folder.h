@@ -29,7 +29,7 @@ class DataFolder {
 
   std::string uploads() const { return path_ + "/uploads"; }
   std::string results() const { return path_ + "/results"; }
-  /// The seal of folders that this daemon publishes, here and elsewhere.
+  /// The seal of all folders that this daemon publishes, in DATA and elsewhere.
   const ResultSeal& seal() const { return seal_; }
 
   /// Blocks. Reserves room for an upload of at most `bytes_max`; the destructor of the upload frees the unused part.
@@ -38,12 +38,13 @@ class DataFolder {
   struct Upload {
     std::string path, sha256;
   };
-  /// Blocks. Stores the same content under the same name as one file, whose age counts from the last upload. Throws
+  /// Blocks. Stores uploads of the same name and content as one file; its age counts from the last upload. Throws
   /// Error(kEnvironment) for file errors.
   Upload store(const std::string& name, UploadFile& file);
   /// Blocks. Throws Refusal 507 "quota" when `bytes` more would exceed the limit.
   void check_room(std::int64_t bytes);
-  /// Blocks. Counts files that others have made in the folder; throws like check_room(), and then does not count them.
+  /// Blocks. Counts files that other processes have made in the folder. Throws like check_room(); the files are then
+  /// not counted.
   void take_room(std::int64_t bytes);
   /// Subtracts bytes that take_room() counted.
   void give_back(std::int64_t bytes);
@@ -51,12 +52,12 @@ class DataFolder {
 
   /// Returns whether the folder was at its limit at the last count. Does not access the disk.
   bool is_full() const;
-  /// Counts a new result, if it is in this folder.
+  /// Counts a new result if the result is in this folder.
   void count_result(const std::string& output);
 
   /// Runs on the ledger's thread, which publishes results too. Removes results and logs of purged jobs that no other
-  /// job uses, and uploads that are older than `upload_age` and that no unfinished job names. Files that no ledger has
-  /// recorded stay.
+  /// job uses, and uploads that are older than `upload_age` and that no unfinished job names. Files that are not
+  /// recorded in a ledger stay.
   void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
 
  private:
@@ -73,7 +74,7 @@ class DataFolder {
   mutable std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;
   std::chrono::steady_clock::time_point counted_;  // default value: never
-  std::mutex storing_;                             // a folder must not be removed between its creation and its file's
+  std::mutex storing_;                             // prevents the removal of a new folder before its file exists
 };
 
 }  // namespace multum

@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSlurmClaimsMax = 200;  // per commit
 
-// Tells which exit codes of multum (docs/reference/service.md) are worth another attempt.
+// Returns which exit codes of multum (docs/reference/service.md) allow another attempt.
 AttemptOutcome outcome_of(int code) {
   switch (code) {
     case 0: return AttemptOutcome::kSucceeded;
@@ -201,8 +201,8 @@ void Dispatcher::claim_for_slurm() {
         &Dispatcher::claim_for_slurm);
 }
 
-// A finished claim queues only itself again. If it queued both kinds, each would find the other one waiting, and both
-// would loop.
+// A finished claim queues only itself again. If it queued both kinds of claims, each kind would find the other one
+// waiting, and both would loop.
 void Dispatcher::claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits,
                        void (Dispatcher::*again)()) {
   if (owners.empty()) return;
@@ -282,7 +282,7 @@ void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::v
 void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& outcome) {
   for (const std::string& owner : owners) reserved_.erase(owner);
   wake_at(outcome.due);
-  give_out(outcome.claimed);  // first, because no one else can start a claimed job
+  give_out(outcome.claimed);  // first, because nothing else can start a claimed job
   if (slurm_) slurm_->flush();
   for (const Job& job : outcome.touched) events_.publish("job", job.id, job_text(job));
   end_drain_if_idle();
@@ -381,8 +381,9 @@ void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt
   note_end(id, owner, attempt, {outcome_of(code), code, result.message});
 }
 
-// The ledger records first that this attempt counts, and the place of its result; then the result gets its name; then
-// the ledger records that it is published. After a crash in between, the next daemon can tell which step was reached.
+// First, the ledger records that this attempt counts, and the place of its result. Then the result gets its name. Then
+// the ledger records that the result is published. After a crash in between, the next daemon knows which step was
+// reached.
 void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed) {
   const Job job = running_.at(id).job;
   std::string identity;
@@ -440,12 +441,12 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
   const auto settled = [this, id, work, done](const std::exception_ptr& error) {
     --unsettled_;
     if (!error) return done();
-    if (ledger_.is_lost()) {  // it has reported this; a restored ledger treats the job as interrupted
+    if (ledger_.is_lost()) {  // the ledger has reported this; a restored ledger treats the job as interrupted
       running_.erase(id);
       progress_.erase(id);
       return end_drain_if_idle();
     }
-    // Usually the disk is full. No ledger has the result yet, so this retries until it is recorded.
+    // Usually the disk is full. The result is not in a ledger yet, so this retries until it is recorded.
     service_log(LogSeverity::kError, id, "cannot record the job's result; retrying: " + words_of(error));
     ++unsettled_;
     const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
@@ -456,7 +457,7 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
     });
   };
   ledger_.run(work, settled);
-  ++unsettled_;  // only now: an exception above would not decrement it
+  ++unsettled_;  // only now, because no code would decrement it after an exception above
 }
 
 StagedResult Dispatcher::staged(const Job& job) const {
@@ -475,7 +476,7 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
 void Dispatcher::remove_staging(const Job& job) const {
   try {
     staged(job).remove();
-  } catch (const Error&) {  // its folder is missing or replaced: the next start tries again
+  } catch (const Error&) {  // the folder is missing or replaced: the next start tries again
   }
 }
 
@@ -543,7 +544,7 @@ void Dispatcher::set_paused(const std::string& queue, bool is_paused) {
 
 void Dispatcher::reload(const ServiceSettings& settings) {
   ClaimLimits limits = limits_of(settings);
-  // Queues that a request paused or resumed stay so, unless their settings have changed.
+  // Queues that a request paused or resumed stay paused or resumed, unless their settings have changed.
   for (auto& [name, of_queue] : limits.queues) {
     const auto before = settings_.queues.find(name);
     if (before != settings_.queues.end() && before->second.is_paused == of_queue.is_paused)
@@ -559,7 +560,7 @@ void Dispatcher::reload(const ServiceSettings& settings) {
 // ---- Time
 
 void Dispatcher::wake_at(std::optional<TimeMs> due) {
-  // A clock that is set back must not cause a wait of years: the time is checked at least every minute.
+  // The time is checked at least every minute, so that a clock that is set back cannot cause a wait of years.
   constexpr TimeMs kLongest = 60000;
   const TimeMs pause = due ? std::clamp<TimeMs>(*due - wall_clock_ms(), 1, kLongest) : kLongest;
   due_timer_.expires_after(std::chrono::milliseconds(pause));
@@ -582,7 +583,7 @@ void Dispatcher::on_due() {
         if (error) return wake_at(wall_clock_ms() + 5000);
         for (const std::int64_t id : overdue->running)
           stop_job(id, "its deadline passed while the job ran", AttemptOutcome::kRefused);
-        // Running jobs that have passed their deadlines stay due until they have stopped.
+        // Running jobs that have passed their deadlines remain due until they stop.
         wake_at(overdue->running.empty() ? *due : std::optional<TimeMs>(wall_clock_ms() + 1000));
         changed({overdue->dead.begin(), overdue->dead.end()});
       });
@@ -601,7 +602,7 @@ void Dispatcher::drain(std::function<void()> done) {
   drain_timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     for (const std::int64_t id : pool_.running())
-      stop_job(id, "returned to the queue by a daemon that was asked to end", AttemptOutcome::kReturned);
+      stop_job(id, "returned to the queue by a daemon that was told to stop", AttemptOutcome::kReturned);
   });
   changed({});
 }

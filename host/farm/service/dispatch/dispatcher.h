@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Brings jobs and workers together: claims jobs for idle workers, publishes results, records how jobs ended, and wakes
-// when a back-off or a deadline has passed. Runs on the thread of its io_context, which also gets the ledger's answers.
+// when a back-off or a deadline has passed. Runs on the thread of its io_context, which also receives the ledger's
+// answers.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -32,8 +33,8 @@ class Dispatcher {
     double busy_seconds = 0.0;  // sum over all workers
   };
 
-  /// `worker_command`: command line of a worker, without its socket. Results are published below the roots of outputs;
-  /// `data` counts the results in it, and no job with a result there starts while it is full.
+  /// `worker_command`: command line of a worker, without its socket. Results are published below the output roots.
+  /// `data` counts the results in its folder; while it is full, no job with a result in that folder starts.
   Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
              ServiceSettings settings, const JobRoots& roots, std::string instance,
              std::vector<std::string> worker_command);
@@ -43,7 +44,7 @@ class Dispatcher {
   void start();
   /// Called whenever there may be work.
   void pump();
-  /// Called when others have changed jobs: tells listeners, and pumps.
+  /// Called when other code has changed jobs: tells listeners, and pumps.
   void changed(const std::set<std::int64_t>& ids);
   /// Asks the worker of a running job to stop; the attempt ends with `outcome`.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
@@ -51,7 +52,7 @@ class Dispatcher {
   /// Takes new limits from the settings.
   void reload(const ServiceSettings& settings);
   /// Starts no more jobs; calls `done` when none is running, at the latest after the grace period. Jobs that are still
-  /// running then are handed back to the queue.
+  /// running at that time are handed back to the queue.
   void drain(std::function<void()> done);
 
   const std::map<std::int64_t, JobProgress>& progress() const { return progress_; }
@@ -59,9 +60,9 @@ class Dispatcher {
   const WorkerPool& workers() const { return pool_; }
   /// Null: no jobs are sent to Slurm.
   SlurmPool* slurm() const { return slurm_.get(); }
-  bool uses_slurm(const std::string& queue) const;  // for at least one type
+  bool uses_slurm(const std::string& queue) const;  // returns whether Slurm runs at least one type of the queue's jobs
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
-  /// Returns whether any job runs on this machine; false: all go to Slurm.
+  /// Returns whether any job runs on this machine; false: Slurm runs all jobs.
   bool bakes_here() const;
   const ClaimLimits& limits() const { return limits_; }
   bool is_draining() const { return is_draining_; }
@@ -76,7 +77,7 @@ class Dispatcher {
     Job job;
     std::string copy_from;  // a finished result with the same key
   };
-  /// Changes made by one unit of work in the ledger, and the jobs that it has claimed at the same time.
+  /// Changes made by one unit of work in the ledger, and the jobs that this unit claimed at the same time.
   struct Outcome {
     std::vector<Job> touched;
     std::vector<Claimed> claimed;
@@ -88,7 +89,7 @@ class Dispatcher {
   /// Afterwards, on the dispatcher's thread: tells listeners, and starts the claimed jobs.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
   void end_drain_if_idle();
-  /// Runs `work` in the ledger until it is committed, also if the disk is full for a time, and then `done`.
+  /// Runs `work` in the ledger until it is committed, even if the disk is full for a time; then runs `done`.
   void note(std::int64_t id, QueueThread::Work work, std::function<void()> done);
   void finish_publishing(const Job& job, const std::string& identity);
   std::vector<std::string> reserve(const std::vector<std::string>& owners);
@@ -101,7 +102,7 @@ class Dispatcher {
   ClaimLimits limits_of_slurm() const;
   struct Claims {
     bool is_under_way = false;
-    bool is_wanted = false;  // again, for changes since
+    bool is_wanted = false;  // a claim must run again, for changes since
   };
   void claim_here();
   void claim_for_slurm();
@@ -133,7 +134,7 @@ class Dispatcher {
   struct Running {
     Job job;
     std::chrono::steady_clock::time_point since;
-    std::optional<AttemptResult> stop;  // why the job was asked to stop
+    std::optional<AttemptResult> stop;  // why the job was told to stop
   };
   std::map<std::int64_t, Running> running_;
   std::set<std::string> reserved_;  // workers for which a claim is under way

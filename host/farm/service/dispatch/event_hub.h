@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sends events to all listeners: job changes and progress, each with a number. The last events are kept for clients
-// that reconnect. The hub serves listeners on a thread of its own: publishers and other requests do not wait, however
+// that reconnect. The hub serves listeners on a separate thread, so publishers and other requests do not wait, however
 // many listeners there are.
 #pragma once
 
@@ -27,14 +27,14 @@ class EventHub {
  public:
   using Listener = std::function<void(const ServiceEvent&)>;
 
-  /// Counts on from `first`: a later daemon needs larger numbers than an earlier one.
+  /// Numbers events from `first` on; a later daemon must use larger numbers than an earlier one.
   explicit EventHub(std::uint64_t first);
-  /// Ends its thread, whatever is running there.
+  /// Ends the hub's thread, whatever the thread is running.
   ~EventHub();
   EventHub(const EventHub&) = delete;
   EventHub& operator=(const EventHub&) = delete;
 
-  /// Called on one thread, always the same. `kind`: "job" or "progress"; `data`: JSON on one line.
+  /// Always called on the same thread. `kind`: "job" or "progress"; `data`: JSON on one line.
   void publish(const std::string& kind, std::int64_t job, const std::string& data);
   /// The number of the last published event.
   std::uint64_t last() const { return last_; }
@@ -42,11 +42,11 @@ class EventHub {
   /// Bytes of all event texts that the hub or its listeners keep.
   std::size_t bytes() const { return *bytes_; }
 
-  /// The hub's thread runs this: listeners, and the calls below, belong there.
+  /// The hub's thread runs this io_context. Use listeners, and make the calls below, only on that thread.
   boost::asio::io_context& io() { return io_; }
-  /// Hands out the kept events after number `after` (0: all), and then new ones until remove(). If events in between
-  /// are no longer kept, or another daemon counted `after`, begins with an event of the kind "missed", which belongs to
-  /// no job.
+  /// Hands out the kept events after number `after` (0: all), and then new ones until remove(). Begins with an event of
+  /// the kind "missed", which belongs to no job, if events in between are no longer kept or if `after` is a number from
+  /// another daemon.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }
 

@@ -122,7 +122,7 @@ void read_slurm(const StrictTable& root, const std::string& path, ServiceSetting
 }  // namespace
 
 void read_service_settings(const std::string& path, ServiceSettings& s) {
-  const toml::table file = parse_toml(path, "settings as docs/reference/service.md lists them");
+  const toml::table file = parse_toml(path, "settings that docs/reference/service.md lists");
   const StrictTable root(path, file, "", kKeys, "the settings");
   s.listen = root.text("listen", s.listen);
   s.token_file = root.text("token_file", s.token_file);
@@ -217,7 +217,7 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
   }
 }
 
-// A user who may write there could make nodes run any command.
+// A user who can write to this folder could make nodes run any command.
 void check_slurm(const SlurmSettings& settings) {
   if (!settings.is_on()) return;
   struct stat found {};

@@ -28,11 +28,11 @@ struct ServiceSettings {
   std::chrono::milliseconds lease{10000};
   std::chrono::milliseconds no_progress{600000};
   std::chrono::milliseconds cancel_grace{10000};
-  std::chrono::milliseconds shutdown_grace{30000};  // for running jobs at shutdown; then they are handed back
+  std::chrono::milliseconds shutdown_grace{30000};  // time for running jobs at shutdown, before they are handed back
   int upload_bytes_max = 64 << 20;
-  int retention_days = 30;                         // for finished jobs and their logs; 0: no limit
+  int retention_days = 30;                         // of finished jobs and their logs; 0: no limit
   std::int64_t data_max = std::int64_t{20} << 30;  // bytes of uploads, results and logs in `data`; 0: no limit
-  int upload_days = 7;                             // for uploads that no job waits for; 0: no limit
+  int upload_days = 7;                             // age limit of uploads that no job waits for; 0: no limit
   int connections_max = 4096;
   std::int64_t request_memory_max = 256 << 20;  // bytes of all requests and answers in progress
   SlurmSettings slurm;
@@ -42,8 +42,9 @@ struct ServiceSettings {
 void read_service_settings(const std::string& path, ServiceSettings& settings);
 
 /// Throws Error(kUsage) for an invalid address, an address that others can reach without a token, or missing roots. A
-/// root must not contain the daemon's data, token, settings or socket, which jobs could then write, nor be inside the
-/// data. None of these may be in a part of the machine that every worker sees, `system`. `settings_file`: may be empty.
+/// root must not contain the daemon's data, token, settings or socket, because jobs could then write to these, and must
+/// not be inside the data. None of these may be in `system`, the part of the machine that every worker sees.
+/// `settings_file`: may be empty.
 void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
                             const Confinement& system);
 

@@ -12,9 +12,9 @@ namespace multum {
 
 class DataLock {
  public:
-  /// Creates the folder with mode 0700 if it is missing. Follows a link to it if this user or root made the link.
-  /// Returns null when a living process has it. Throws Error(kEnvironment) when it cannot be created, belongs to a user
-  /// other than this one and root, or when others may write to it.
+  /// Creates the folder with mode 0700 if it is missing. Follows a link to the folder if this user or root made the
+  /// link. Returns null when a living process holds the lock. Throws Error(kEnvironment) when the folder cannot be
+  /// created, belongs to a user other than this one and root, or is writable for others.
   static std::unique_ptr<DataLock> take(const std::string& path);
 
  private:

@@ -20,7 +20,7 @@ std::string FileHashes::hash(const std::string& path, const OpenFile& file) {
     if (found != known_.end() && !identity.empty() && found->second.identity == identity) return found->second.hash;
   }
   const std::string hash = hash_file(opened);
-  // Remembered only if the file was not written to meanwhile.
+  // The hash is remembered only if the file did not change meanwhile.
   if (file_identity(opened) == identity) {
     const std::lock_guard lock(mutex_);
     if (known_.size() >= kKnownMax) known_.clear();

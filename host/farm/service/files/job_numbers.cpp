@@ -10,8 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the number between `before` and `after`, which any text may follow; 0 if there is none, or if it is too
-// large.
+// Returns the number between `before` and `after`; any text may follow `after`. Returns 0 if there is no number, or if
+// it is too large.
 std::int64_t number_in(const std::string& name, const std::string& before, const std::string& after) {
   constexpr std::int64_t kHighest = std::int64_t{1} << 52;  // JSON readers keep such integers exact
   if (!name.starts_with(before)) return 0;

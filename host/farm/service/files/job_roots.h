@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The folders of the machine that jobs may touch.
+// The folders of the machine that jobs may access.
 #pragma once
 
 #include "host/farm/service/files/result_seal.h"

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Numbers from linux/magic.h and from the sources of the file systems.
+// The numbers are from linux/magic.h and from the sources of the file systems.
 constexpr std::array<std::pair<std::uint32_t, const char*>, 22> kNetworkDisks = {{
     {0x6969, "NFS"},
     {0x517b, "SMB"},

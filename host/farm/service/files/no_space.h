@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of a disk without space: it is full, or a quota or the limit of file sizes (ulimit -f) is reached.
+// Errors of a disk without space: the disk is full, or a quota or the file size limit (ulimit -f) is reached.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Answered with 507: there may be room later. Nothing of the request has been done.
+/// Is answered with 507: there may be room later. The request has had no effect.
 class NoSpaceError : public Error {
  public:
   using Error::Error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies the result of an earlier job for a job that would make the same.
+// Copies the result of an earlier job for a job that would make the same result.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace multum {
 
 /// Copies a finished result, a file or folder, to another name, and syncs it. Follows no links on either side. Throws
-/// Error(kEnvironment), also for a link or a device in the result, and like PathRoots::open_folder_of().
+/// Error(kEnvironment), also if the result contains a link or a device, and throws like PathRoots::open_folder_of().
 void copy_result(const PathRoots& roots, const std::string& from, const std::string& to);
 
 }  // namespace multum

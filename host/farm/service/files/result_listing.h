@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the files of a folder when it is published, in its file .multum-result, one line per file. Only files that are
-// still unchanged may be removed for the next result of that name; files that a person has added or changed stay. All
-// accesses are beneath the folder's own descriptor, so a sub-folder that becomes a link meanwhile is not followed.
+// When a folder is published, lists its files in the folder's file .multum-result, one line per file. Only files that
+// are still unchanged may be removed for the next result of that name; files that a person has added or changed stay.
+// All accesses are relative to the folder's own descriptor, so a sub-folder that becomes a link meanwhile is not
+// followed.
 //
-// Any user who may write to the folder may write a listing too. So its last line, "seal" and a code with the service's
-// key (HMAC, SHA-256) over the folder's inode and the lines before, proves that the service wrote it.
+// Any user who may write to the folder may write a listing too. So its last line proves that the service wrote the
+// listing: "seal" and a code with the service's key (HMAC, SHA-256) over the folder's inode and the preceding lines.
 #pragma once
 
 #include <map>
@@ -22,15 +23,16 @@ inline constexpr char kResultListingName[] = ".multum-result";
 /// Error(kEnvironment).
 void write_result_listing(const std::string& folder, const ResultSeal& seal);
 
-/// Returns the name of the first entry that differs from the published folder; "": there is none, or the folder is
+/// Returns the name of the first entry that differs from the published folder; "": no entry differs, or the folder is
 /// empty. A folder without a listing by the service was never published. Throws Error(kEnvironment) when this cannot be
 /// determined.
 std::string unlisted_in(const std::string& folder, const ResultSeal& seal);
 
-/// Returns whether the folder was published and still has exactly its published files. Throws likewise.
+/// Returns whether the folder was published and still has exactly its published files. Throws like the function above.
 bool is_as_published(const std::string& folder, const ResultSeal& seal);
 
-/// Removes listed files that are unchanged, and then empty folders. Returns false if anything remains. Throws likewise.
+/// Removes listed files that are unchanged, and then empty folders. Returns false if anything remains. Throws like the
+/// functions above.
 bool remove_listed(const std::string& folder, const ResultSeal& seal);
 
 /// Returns the bytes of the listing in an open folder; 0 if there is none.

@@ -40,10 +40,10 @@ std::string identity_at(int folder, const std::string& name) {
   return found && (S_ISDIR(found->st_mode) || S_ISREG(found->st_mode)) ? identity_of(*found) : "";
 }
 
-// Returns a path to this very folder, for functions that take names.
+// Returns a path to the open folder, for functions that need a path.
 std::string name_of(const OpenFile& folder) { return fmt::format("/proc/self/fd/{}", folder.descriptor()); }
 
-// Leaves entries of other users that have such a name.
+// Leaves entries that belong to other users.
 bool remove_staging(const OpenFile& folder, const std::string& name, const std::string& path) {
   try {
     const OpenFile staging = find_own_folder(folder, name, path);
@@ -146,7 +146,7 @@ std::string StagedResult::publish(const std::string& identity) const {
     const bool is_folder = S_ISDIR(state_of(staging.descriptor(), name_)->st_mode);
     check_place(is_folder);
     if (is_folder) write_result_listing(name_of(staging) + "/" + name_, seal_);
-    // Exchanges two folders: only an exchange can rename a folder onto one that is not empty.
+    // Exchanges two folders, because a rename cannot replace a folder that is not empty.
     const bool is_exchange = is_folder && state_of(folder, name_).has_value();
     if (::renameat2(staging.descriptor(), name_.c_str(), folder, name_.c_str(), is_exchange ? RENAME_EXCHANGE : 0) != 0)
       fail_by_errno(output_, "cannot rename the result");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stages a job's result in a hidden folder next to the output, on the same file system. A rename publishes the result,
-// so an incomplete result is never visible. Names are used beneath the descriptor of the output's folder, opened by
-// PathRoots: links or folders that change above it have no effect.
+// so an incomplete result is never visible. Names are relative to the descriptor of the output's folder, opened by
+// PathRoots, so links or folders that change above it have no effect.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +26,10 @@ std::string staged_name(const std::string& output);
 OpenFile open_staging_folder(const PathRoots& roots, const std::string& path);
 
 /// Returns "INODE:BYTES:NANOSECONDS" of a file, or the inode of a folder; empty if it is missing. A rename does not
-/// change it. For inputs: follows links.
+/// change the identity. This function is for inputs: it follows links.
 std::string file_identity(const std::string& path);
-/// Like file_identity(), for a result: follows no links; empty also for a link, or a path behind one. Throws
-/// Error(kEnvironment) when it cannot be determined.
+/// Like file_identity(), for a result: follows no links, and is empty also for a link or a path behind a link. Throws
+/// Error(kEnvironment) when the identity cannot be determined.
 std::string result_identity(const PathRoots& roots, const std::string& path);
 
 /// Returns whether the result is unchanged since it was published with this identity; a folder must have exactly its
@@ -46,13 +46,14 @@ class StagedResult {
   /// Identity of the staged result; empty: none, or a link. Throws Error(kEnvironment) if another user's file is in the
   /// place of the staging folder.
   std::string identity() const;
-  /// Throws Error(kUsage) when the result must not replace what is in its place: a folder with anything except for an
-  /// unchanged result of multum; a file in the place of a folder; a folder in the place of a file.
+  /// Throws Error(kUsage) when the result must not replace the existing entry: a folder that contains more than an
+  /// unchanged result of multum, a file in the place of a folder, or a folder in the place of a file.
   void check_place(bool is_folder) const;
-  /// Gives the result its final name, syncs the folder, and removes the staging folder. A file replaces a file, a
-  /// folder replaces a result, whole at any moment. If the result has its name already (a daemon died between the
-  /// rename and its record), only the remaining steps are done. Returns the path of added files of the previous folder;
-  /// "": none. Throws like check_place(), and Error(kEnvironment) when neither result has `identity`.
+  /// Gives the result its final name, syncs the folder, and removes the staging folder. A file replaces a file, and a
+  /// folder replaces a result, in one step. If the result has its name already (a daemon died between the rename and
+  /// its record), only the remaining steps are done. Returns the path of added files of the previous folder; "": none.
+  /// Throws like check_place(), and Error(kEnvironment) when neither the staged nor the published result has
+  /// `identity`.
   std::string publish(const std::string& identity) const;
   /// Removes the staging folder and its contents, if it exists.
   void remove() const;

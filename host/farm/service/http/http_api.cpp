@@ -111,7 +111,7 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> submit(HttpRequest request) {
-    if (dispatcher.is_draining()) throw Refusal{503, "ending", "the service is about to end", {{"Retry-After", "10"}}};
+    if (dispatcher.is_draining()) throw Refusal{503, "ending", "the service is about to stop", {{"Retry-After", "10"}}};
     SubmitRequest asked = parse_submit(parse_body(request), roots, dispatcher.limits(), wall_clock_ms());
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);
@@ -156,7 +156,7 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
     const JobFilter filter = parse_filter(request);
-    constexpr std::int64_t kCopies = 4;  // a text exists so often while an answer is made: row, job, JSON, JSON text
+    constexpr std::int64_t kCopies = 4;  // copies of a text while an answer is made: row, job, JSON, JSON text
     std::int64_t bytes = 0;
     co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
     if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))
@@ -180,8 +180,8 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> show(std::string text) {
-    // Reads all in one transaction: with two, a job could seem to run without an attempt, or be dead with a running
-    // one.
+    // Reads all data in one transaction. With two, a job could seem to run without an attempt, or be dead with a
+    // running attempt.
     const std::optional<std::int64_t> id = parse_integer(text);
     Json json;
     if (id) co_await in_ledger([&](JobQueue& queue) { json = shown(queue, *id); });
@@ -212,7 +212,7 @@ struct HttpApi::State {
         {"stage", view->progress.stage}, {"done", view->progress.done}, {"total", view->progress.total}};
   }
 
-  // Ends only a share's task at Slurm; the share is requested again.
+  // Ends only one share's task at Slurm; the share is requested again.
   asio::awaitable<HttpResponse> cancel_part(Job job, std::string share) {
     std::vector<SlurmPart> parts;
     co_await in_ledger([&](JobQueue& queue) { parts = queue.slurm().of_job(job.id); });
@@ -323,7 +323,7 @@ struct HttpApi::State {
       folder = roots.inputs.open_folder_of(output + "/any");
       bytes = listing_bytes(folder);
     });
-    constexpr std::size_t kCopies = 6;  // of a listing while it is read: text, stream, two texts and a node per line
+    constexpr std::size_t kCopies = 6;  // copies during a listing: text, stream, two texts and a node per line
     if (!memory.resize(memory.bytes() + kCopies * bytes))
       throw Refusal{503, "busy", "there is not enough memory for such a long list of files", {{"Retry-After", "1"}}};
     std::shared_ptr<HttpBody> made;
@@ -351,7 +351,8 @@ struct HttpApi::State {
   }
 
   // Counts jobs by queue and state. A million jobs take the ledger's thread about a second, and every page asks once
-  // per second. So a slow count is answered again for nine times its duration: counting takes a tenth of the thread.
+  // per second. So a slow count is reused for nine times its duration, and counting takes at most a tenth of the
+  // thread's time.
   asio::awaitable<Counts> count_jobs() {
     constexpr double kQuick = 0.01;
     if (Clock::now() < counted_until) co_return counted;
@@ -472,7 +473,7 @@ namespace {
 struct Route {
   const char* method;
   std::vector<std::string> parts;
-  bool is_public;  // monitors and browsers request it without a token
+  bool is_public;  // monitors and browsers request this path without a token
   asio::awaitable<HttpResponse> (*answer)(HttpApi::State& state, std::string part, HttpRequest request);
 };
 
@@ -576,7 +577,7 @@ bool matches(const Route& route, const std::vector<std::string>& parts, std::str
   return true;
 }
 
-// Returns null if the path lacks this method; `others` gets the methods that the path has.
+// Returns null if the path does not support this method; `others` gets the supported methods.
 const Route* find_route(const std::string& method, const std::string& path, std::string& part,
                         std::vector<std::string>& others) {
   const std::vector<std::string> parts = split_path(path);
@@ -604,16 +605,16 @@ std::string bearer_token(const std::string& field) {
   return begin == std::string::npos ? "" : field.substr(begin);
 }
 
-// A foreign page must not make a browser on this machine command the service. The page could use a form or script of
-// another origin, or a host name whose owner points it here (DNS rebinding).
+// A foreign page must not control the service through a browser on this machine. The page could use a form or script of
+// another origin, or a host name whose owner points it to this machine (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;
   const auto origin = request.headers.find("origin");
   if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
     return false;
-  // For requests without an origin, usually for pictures, browsers report that another page makes them. Links to the
-  // page are allowed.
+  // Requests without an origin are usually for pictures; browsers report if another page makes such a request. Links to
+  // the page are allowed.
   const auto site = request.headers.find("sec-fetch-site"), mode = request.headers.find("sec-fetch-mode");
   const bool is_foreign =
       site != request.headers.end() && (site->second == "cross-site" || site->second == "same-site");
@@ -645,7 +646,7 @@ bool HttpApi::is_upload(const std::string& method, const std::string& path) {
 std::vector<std::string> HttpApi::routes() {
   std::vector<std::string> names;
   for (const Route& route : route_table())
-    if (route.answer != web_file)  // the page is for people, not for programs
+    if (route.answer != web_file)  // the page is not for programs
       names.push_back(fmt::format("{} /{}", route.method, fmt::join(route.parts, "/")));
   return names;
 }

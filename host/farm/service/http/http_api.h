@@ -31,7 +31,7 @@ class HttpApi {
   /// Checks a request before its body is read: returns a refusal for clients without permission, and for unknown paths.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
-  /// Returns routes such as "GET /v1/jobs/{}" for programs; the page is for people.
+  /// Returns the routes for programs, such as "GET /v1/jobs/{}"; the web page is not included.
   static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
   /// Runs `work` on a thread that may wait for disks; rethrows its exception.

@@ -232,7 +232,7 @@ std::string HttpClient::text(const std::string& target) { return exchange_text("
 std::string HttpClient::exchange_text(const std::string& method, const std::string& target, const Json& body) {
   http::response<http::string_body> response;
   const auto request = request_of(method, target, host_name(), token_, body);
-  // The service answers a submission after it has read the files.
+  // The service answers a submission only after reading the files.
   const milliseconds silence = method == "GET" ? patience_.answer : patience_.work;
   with_socket(host_, port_, unix_path_, patience_, silence,
               [&](auto& socket) { response = exchange(socket, request); });

@@ -29,7 +29,8 @@ class HttpClient {
   /// Returns the answer's body unchanged; throws like ask().
   std::string text(const std::string& target);
   /// Passes each event's kind and data to `take` until it returns false or the connection ends. Calls `opened` before
-  /// the first event: answers to requests made there are not older than the events. Returning false ends the call.
+  /// the first event, so that answers to requests made in it are not older than the events. Returning false ends the
+  /// call.
   void listen(const std::string& target, const std::function<bool()>& opened,
               const std::function<bool(const std::string& kind, const nlohmann::json& data)>& take);
 

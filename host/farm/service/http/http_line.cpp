@@ -24,7 +24,7 @@ UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the 
 UnreadableRequest gone() { return {0, "", ""}; }
 UnreadableRequest too_slow() { return {408, "timeout", "the request did not arrive in time"}; }
 
-// "a: b\r\n c": one field over two lines, which a proxy may take for two fields.
+// "a: b\r\n c" is one field on two lines, which a proxy may read as two fields.
 bool is_folded(std::string_view header) {
   return header.find("\r\n ") != std::string_view::npos || header.find("\r\n\t") != std::string_view::npos;
 }
@@ -65,7 +65,7 @@ void check_fields(const HttpLine::Parser& parser) {
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // Waits once at a time: a busy line does not set its timer for each request.
+  // Waits only once at a time, so a busy line does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One connection: reads requests and writes answers, within limits of bytes and of time. Faulty input from a client can
-// only end its own connection: the read buffer does not grow, and exceptions of the parser are thrown here.
+// One connection: reads requests and writes answers, within limits of bytes and of time. Faulty input can only end its
+// own client's connection: the read buffer does not grow, and exceptions of the parser are thrown here.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -37,7 +37,8 @@ class HttpLine {
   using Clock = std::chrono::steady_clock;
   using Parser = boost::beast::http::request_parser<boost::beast::http::buffer_body>;
 
-  /// Bytes that are read but not yet used: a whole header, a chunk's extension or a trailer must fit.
+  /// Size of the buffer for bytes that are read but not yet used: a whole header, a chunk's extension or a trailer must
+  /// fit.
   static constexpr std::size_t kBufferBytes = 16384;
   /// Approximate memory of a line without bodies and answers: the buffer, a piece of a body, and a header's fields
   /// twice.
@@ -48,8 +49,8 @@ class HttpLine {
   HttpLine(const HttpLine&) = delete;
   HttpLine& operator=(const HttpLine&) = delete;
 
-  /// Reads a header. Throws UnreadableRequest if it is not a header, is too large, or is incomplete at `until`. Refuses
-  /// a header that could mean one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
+  /// Reads a header. Throws UnreadableRequest if the bytes are not a header, or if the header is too large or
+  /// incomplete at `until`. Refuses a header that could mean one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
   boost::asio::awaitable<void> read_header(Parser& parser, Clock::time_point until);
   /// Reads the body after the header, piece by piece, up to `bytes_max`. `silence`: longest pause of the client;
   /// `until`: latest end of the body. Throws UnreadableRequest, and passes on exceptions of `take`.

@@ -52,7 +52,7 @@ std::string etag_of(const struct stat& found) {
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
 }
 
-// Returns whether the list contains the tag, also in its weak form.
+// Returns whether the list contains the tag or its weak form.
 bool knows(std::string_view list, std::string_view etag) {
   while (!list.empty()) {
     std::string_view one = list.substr(0, list.find(','));

@@ -17,7 +17,7 @@ using ByteRange = HttpBodyPart;  // count 0: outside the body
 /// Parses "bytes=0-99", "bytes=100-" or "bytes=-100" for a body of `bytes`; nullopt: not a range that is served.
 std::optional<ByteRange> parse_byte_range(std::string_view field, std::uint64_t bytes);
 
-/// A request's fields about a known state of the body and about ranges; empty: not given.
+/// Fields of a request about ranges and about a state of the body that the client knows; empty: not given.
 struct RangeRequest {
   std::string range, if_range, if_none_match = {};
 };

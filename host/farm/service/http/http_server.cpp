@@ -40,17 +40,17 @@ using asio::use_awaitable;
 using std::chrono::seconds;
 using Clock = HttpLine::Clock;
 
-constexpr auto kHeaderTime = seconds(10);  // from the start of the wait; also the longest idle time
-constexpr auto kSpareTime = seconds(2);    // the same for a spare connection
+constexpr auto kHeaderTime = seconds(10);  // time for a header, from the start of the wait; also the longest idle time
+constexpr auto kSpareTime = seconds(2);    // time for a header on a spare connection
 constexpr auto kSilence = seconds(30);     // longest pause of a client that sends a body or receives an answer
-constexpr auto kBodyTime = seconds(60);    // for a body; uploads have no limit while they progress
+constexpr auto kBodyTime = seconds(60);    // time for a body; uploads have no limit while they progress
 constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
 constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two writes to one listener
 constexpr std::size_t kStreamBacklog = 8192;     // events waiting for a slow listener, before it is disconnected
-constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; above, slow listeners are disconnected
+constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; beyond them, slow listeners are disconnected
 constexpr std::size_t kStreamText = 16384;       // approximate bytes per write
 constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
@@ -107,7 +107,7 @@ HttpResponse busy(const std::string& message) {
   return refusal_response({503, "busy", message, {{"Retry-After", "1"}}});
 }
 
-// Increments a counter during its life.
+// Keeps a counter incremented during its own lifetime.
 class Counted {
  public:
   explicit Counted(int& count) : count_(count) { ++count_; }
@@ -137,7 +137,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         budget(settings.memory_max),
         streams_max(std::max(1, settings.connections_max / 4 * 3)) {}
 
-  // Counts one listener during its life.
+  // Counts one listener during its own lifetime.
   class Listener {
    public:
     static std::optional<Listener> one_more(std::shared_ptr<State> state) {
@@ -317,7 +317,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_await settings.beside([&] { request.upload->write(piece); });
         co_return;
       }
-      // Twice: while a growing string is moved, both copies exist.
+      // Reserves twice the size: while a growing string is moved, both copies exist.
       if (!share.resize(2 * (request.body.size() + piece.size())))
         throw Refusal{503, "busy", "there is not enough memory for the request", {{"Retry-After", "1"}}};
       request.body += piece;
@@ -429,7 +429,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     };
     State& self = listener.state();
     const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(self.events.io())});
-    // A listener sends nothing more: any data means that it leaves.
+    // A listener sends no more data: any data means that the listener disconnects.
     stream.socket().async_wait(asio::socket_base::wait_read, [line](const boost::system::error_code& error) {
       if (error) return;
       line->is_gone = true;
@@ -454,7 +454,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
           if (!line->waiting.empty()) continue;
-          // Sends events that follow within the pause together, so that many listeners cost little more than few.
+          // Sends events that follow within the pause together, so that many listeners cost little more than a few
+          // listeners.
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }

@@ -29,7 +29,7 @@ struct HttpRequest {
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
   std::shared_ptr<UploadFile> upload = nullptr;  // holds the body of an upload
-  MemoryShare* memory = nullptr;                 // its part of the budget; making the answer may need more
+  MemoryShare* memory = nullptr;                 // the request's part of the budget; making the answer may need more
 };
 
 /// A body that is made while it is sent; its length is known in advance.
@@ -37,11 +37,11 @@ class HttpBody {
  public:
   virtual ~HttpBody() = default;
   virtual std::uint64_t bytes() const = 0;
-  /// Bytes of memory that it holds meanwhile.
+  /// Bytes of memory that the body uses while it is sent.
   virtual std::size_t memory() const = 0;
   /// Blocks. Returns the next bytes, as many as requested unless the body ends. Any exception ends the connection.
   virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
-  /// A strong validator, in quotes, if the bytes are the same each time; "": parts are not available.
+  /// A strong validator, in quotes, if the bytes are the same each time; "": ranges are not available.
   virtual std::string etag() const { return ""; }
   /// Blocks. Skips the next bytes. Only for a body with an etag().
   virtual void skip(std::uint64_t) {}
@@ -69,18 +69,18 @@ class HttpServer {
  public:
   struct Settings {
     int connections_max = 4096;          // up to three quarters of them may listen to events
-    std::size_t memory_max = 256 << 20;  // bytes of all connections, bodies and answers together
-    std::size_t body_max = 1 << 20;      // bytes per POST; other requests except for uploads have no body
+    std::size_t memory_max = 256 << 20;  // bytes of all connections, bodies and answers
+    std::size_t body_max = 1 << 20;      // bytes per POST body; of other requests, only uploads have a body
     std::size_t upload_max = 64 << 20;   // bytes per request with is_upload
     std::function<bool(const std::string& method, const std::string& path)> is_upload;
     /// Opens the file for an upload of at most `bytes_max` bytes. May block, and throw Refusal.
     std::function<std::shared_ptr<UploadFile>(std::size_t bytes_max)> open_upload;
     /// Runs a function on a thread that may wait for disks.
     std::function<boost::asio::awaitable<void>(std::function<void()>)> beside;
-    /// Checks a request before its body is read: returns null to continue, or the answer.
+    /// Checks a request before its body is read: returns null to continue, or the answer to send.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
-    /// Returns whether monitors request this path. Such requests are answered before other waiting ones, and also when
+    /// Returns whether monitors request this path. Such requests are answered before other waiting requests, even when
     /// all connections are in use.
     std::function<bool(const std::string& path)> is_urgent;
   };

@@ -38,8 +38,8 @@ constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // below jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
-// The page contains all its data. It may run its own script and save paths, and has no origin: malicious data in it can
-// reach neither the service nor a token.
+// The page contains all its data. It may run its own script and save paths, but has no origin, so malicious data in the
+// page can reach neither the service nor a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
@@ -116,7 +116,7 @@ std::vector<std::string> confined(const JobRoots& roots, const std::string& fold
 JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots& roots)
     : io_(io), data_(data), folder_(data.path() + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
-  // Views that an earlier daemon could not make are tried once more: their cause may be gone.
+  // Views that an earlier daemon could not make are tried once more: the cause of the failure may be gone.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     if (id_of(entry.path().filename()) == 0 || !has_view(entry.path())) fs::remove_all(entry.path(), ignored);
@@ -133,7 +133,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
   std::string file_name = job.result_identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
   const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, view.folder_ending);
-  // A named variable: GCC 12 destroys a temporary made in braces within a co_await twice.
+  // This is a named variable because GCC 12 destroys a temporary twice if it is made in braces within a co_await.
   Request request{std::move(job), folder, view};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
@@ -227,7 +227,7 @@ bool JobPictures::has_result(const Request& request) const {
   return is_as_made(roots_.outputs, request.job.output, request.job.result_identity, roots_.seal);
 }
 
-// Lists the identities of the job's maps, with the word "gone" for a map that no longer exists.
+// Lists the identities of the job's maps; "gone" stands for a map that no longer exists.
 std::string JobPictures::sources_of(const Request& request) const {
   std::string text;
   const nlohmann::json parameters = nlohmann::json::parse(request.job.parameters);
@@ -298,7 +298,7 @@ void JobPictures::run(const Request& request, const std::string& folder) {
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
   limits.is_cancelled = [this] { return is_ending_.load(); };
   const ChildResult result = run_child(words, limits);
-  if (is_ending_) refuse("the service is about to end");
+  if (is_ending_) refuse("the service is about to stop");
   std::string said = result.output + end_of(result, view.program.empty() ? "multum " + view.words[0] : view.program);
   const auto is_first_map = [&](const std::string& word) { return word.starts_with(view.maps.front().second + "="); };
   const bool has_input = view.maps.empty() || std::any_of(words.begin(), words.end(), is_first_map);

@@ -5,7 +5,7 @@
 //
 //   DATA/pictures/ID-IDENTITYENDING/   render.png, player.html ...   files of the view that could be made
 //                                      said.txt                      the child's output, and how it ended if it failed
-//                                      sources.txt                   identities of the maps that it was given
+//                                      sources.txt                   identities of the maps that the child was given
 //
 // IDENTITY is the identity of the published result (staging.h): pictures of another result are never shown, and
 // pictures that show a map are made again when the map has changed. All files count against data_max. Of large views,
@@ -34,7 +34,7 @@ namespace multum {
 
 class JobPictures {
  public:
-  /// `data`: the daemon's folder. Answers on the thread of `io`; files and children are handled on threads of its own.
+  /// `data`: the daemon's folder. Answers on the thread of `io`; uses separate threads for files and child processes.
   JobPictures(boost::asio::io_context& io, DataFolder& data, const JobRoots& roots);
   /// Ends the running child.
   ~JobPictures();
@@ -47,8 +47,8 @@ class JobPictures {
 
   /// Removes the pictures of these jobs. Blocks.
   void remove(const std::vector<std::int64_t>& ids);
-  /// Removes pictures of jobs that are no longer in the ledger: a daemon may have died between purging and removing, or
-  /// pictures may have been made meanwhile.
+  /// Removes pictures of jobs that are no longer in the ledger. Such pictures remain if a daemon died between purging
+  /// and removing, or if pictures were made meanwhile.
   void sweep(QueueThread& ledger);
 
  private:
@@ -77,7 +77,7 @@ class JobPictures {
   /// Waiting requests by folder. Used on the thread of io_.
   using Waiter = std::function<void(std::exception_ptr)>;
   std::map<std::string, std::vector<Waiter>> waiters_;
-  boost::asio::thread_pool pool_{2};  // one may wait for a child, the other looks for existing files
+  boost::asio::thread_pool pool_{2};  // one thread may wait for a child, the other looks for existing files
   boost::asio::strand<boost::asio::thread_pool::executor_type> one_at_a_time_;
 };
 

@@ -74,7 +74,7 @@ std::string output_of(const std::string& named, const JobRoots& roots) {
   return roots.results.output(roots.results.roots().front() + "/" + named);
 }
 
-// No valid name or text has a NUL, and functions of C would stop there.
+// Valid names and texts contain no NUL, and C functions would stop at it.
 void refuse_nul(const Json& json) {
   const auto check = [](const std::string& text) {
     if (text.find('\0') != std::string::npos)
@@ -119,7 +119,7 @@ std::vector<std::string> split_path(const std::string& path) {
 
 Json parse_body(const HttpRequest& request) {
   if (request.body.empty()) return Json::object();
-  // Deeper than any valid request: clients must not exhaust the parser's stack.
+  // This depth exceeds any valid request. The limit prevents clients from exhausting the parser's stack.
   int depth = 0, deepest = 0;
   for (const char c : request.body) {
     depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;

@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// Parses a text that is only a number.
+/// Parses a text that consists only of a number.
 std::optional<std::int64_t> parse_integer(const std::string& text);
 /// Splits "/v1/jobs/7" into v1, jobs, 7.
 std::vector<std::string> split_path(const std::string& path);
@@ -22,8 +22,8 @@ std::vector<std::string> split_path(const std::string& path);
 /// Returns the body; {} if it is empty.
 nlohmann::json parse_body(const HttpRequest& request);
 
-/// The request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, in the
-/// parameters as texts (path_text.h); check_input_files() checks the files that a scene names.
+/// The request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, which the
+/// parameters store as texts (path_text.h). check_input_files() checks the files that a scene names.
 struct SubmitRequest {
   JobSubmission job;  // submission without its key
   nlohmann::json parameters;
@@ -36,12 +36,12 @@ JobFilter parse_filter(const HttpRequest& request);
 
 /// Returns the part to cancel, "3/8"; "": the whole job.
 std::string parse_cancel(const nlohmann::json& json);
-/// Throws Refusal for a job that Slurm's nodes should do, but that has files in the daemon's data.
+/// Throws Refusal for a job for Slurm's nodes that uses files in the daemon's data.
 void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots);
 /// Returns the queue of POST /v1/retry; "": all.
 std::string parse_retry(const nlohmann::json& body);
 
-/// The request of POST /v1/purge: jobs, or all jobs that finished at least so many seconds ago.
+/// The request of POST /v1/purge: jobs by number, or all jobs that finished at least a given number of seconds ago.
 struct PurgeRequest {
   std::vector<std::int64_t> jobs;
   std::optional<std::int64_t> finished_before_s;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A budget of bytes shared by many users. A request for more than is left fails; destructors return what was taken.
+// A budget of bytes shared by many users. A request for more bytes than are left fails; destructors return the bytes.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ class MemoryShare {
   ~MemoryShare() { budget_->used_ -= bytes_; }
 
   std::size_t bytes() const { return bytes_; }
-  /// Changes the part to `bytes`. Returns false, and changes nothing, if the budget has too little left.
+  /// Changes the part to `bytes`. If the budget has too few bytes left, changes nothing and returns false.
   bool resize(std::size_t bytes) {
     if (bytes > bytes_ && bytes - bytes_ > budget_->bytes_max_ - budget_->used_) return false;
     budget_->used_ += bytes - bytes_;

@@ -92,8 +92,8 @@ std::size_t ResultArchive::memory() const {
   return bytes;
 }
 
-// A pax header precedes the ustar header for values that do not fit into it, and for names, whose encoding it does not
-// state.
+// A pax header precedes the ustar header for values that do not fit into the ustar header, and for names, because the
+// ustar header does not state their encoding.
 std::string ResultArchive::header(const File& file) const {
   const std::string name = name_ + "/" + file.path;
   const auto [size, nanoseconds] = size_and_time(file.state);

@@ -22,7 +22,7 @@ class ResultArchive : public HttpBody {
 
   std::uint64_t bytes() const override { return bytes_; }
   std::size_t memory() const override;
-  /// Blocks. Throws like the constructor if a file has changed meanwhile, since the announced bytes cannot be sent.
+  /// Blocks. Throws like the constructor if a file has changed meanwhile, because the announced bytes cannot be sent.
   std::size_t read(char* to, std::size_t bytes_max) override;
   std::string etag() const override { return etag_; }
   void skip(std::uint64_t bytes) override;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs thousands of simultaneous tasks one at a time, each after the other work that is ready by then: they do not
+// Runs thousands of simultaneous tasks one at a time, each after all other work that is ready, so that tasks do not
 // delay answers to monitors.
 #pragma once
 
@@ -24,8 +24,8 @@ class TaskQueue {
   }
 
  private:
-  // The io_context polls connections between two handlers: hence one handler per task. If there is no memory for the
-  // next handler, a later task starts it.
+  // Each task has its own handler, because the io_context polls connections between two handlers. If there is no memory
+  // for the next handler, a later task starts it.
   void post_next() {
     boost::asio::post(io_, [this] {
       is_posted_ = false;

@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// Lists the files in the daemon's own folders that the ledger knows: no other file there may be removed. The ledger
-/// stores paths as texts (path_text.h).
+/// Lists the files in the daemon's own folders that the ledger records; no other file in these folders may be removed.
+/// The ledger stores paths as texts (path_text.h).
 class FileNotes {
  public:
   explicit FileNotes(SqliteDatabase& database) : database_(database) {}

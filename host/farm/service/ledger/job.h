@@ -12,12 +12,12 @@
 namespace multum {
 
 enum class JobState {
-  kWaiting,     // for the jobs that it needs
+  kWaiting,     // waits for the jobs that it needs
   kQueued,      // may start, at once or after its back-off
   kRunning,     // a worker holds a lease on it
-  kPublishing,  // done; its result is about to get its name
+  kPublishing,  // done; its result is about to get its final name
   kSucceeded,   // its result is in place
-  kDead,        // failed for good; `retry` queues it again
+  kDead,        // failed permanently; `retry` queues the job again
   kCancelled,
 };
 
@@ -36,8 +36,8 @@ struct JobSubmission {
   int priority = 0;                 // -1000..1000, higher first
   std::vector<std::int64_t> needs;  // jobs that must succeed first
   int attempt_max = 5;              // 1..100
-  std::optional<TimeMs> deadline;   // latest time of its end
-  std::int64_t memory_bytes = 0;    // memory that the service counts for it
+  std::optional<TimeMs> deadline;   // latest time at which the job may end
+  std::int64_t memory_bytes = 0;    // memory that the service reserves for the job
   std::string device;               // "" or a device name of the settings
   std::string output;               // absolute path of the result; "": none
   std::string key;                  // idempotency key; "": none
@@ -53,11 +53,11 @@ struct Job : JobSubmission {
   TimeMs created = 0;
   std::optional<TimeMs> not_before, started, finished;
   std::optional<int> exit_code;             // exit code of the last attempt
-  std::string message;                      // the reason for its state, for people
+  std::string message;                      // human-readable reason for its state
   std::optional<std::int64_t> reused_from;  // the job whose result was copied instead of making it again
   int attempts_counted = 0;                 // attempts that count against attempt_max
   std::string result_identity;              // identity of the last published result; "": none
-  std::string stop_asked;  // why it will be cancelled when its attempt ends without a result; "": it will not
+  std::string stop_asked;  // why the job is cancelled if its attempt ends without a result; "": it is not
 };
 
 enum class AttemptOutcome {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of a job's fields, one row each. The table determines the ledger's columns, the JSON of jobs, the fields of
-// a submission, the options of `multum jobs submit`, the rows of the page and schemas of docs/reference/openapi.json. A
-// new field needs a member of Job, its row, the lines that set it, and schemas updated by tools/parameter_documents.
+// a submission, the options option of `multum jobs submit`, the rows of the page and schemas of
+// docs/reference/openapi.json. A new field needs a member of Job, its row, the lines that set it, and schemas updated
+// by tools/parameter_documents.
 #pragma once
 
 #include <limits>
@@ -17,7 +18,7 @@ struct JobField {
   enum class Form {
     kPlain,
     kPath,
-    kObject,  // text of a JSON object
+    kObject,  // the text of a JSON object
     kTime,
     kBytes,
     kJob,  // number of another job
@@ -29,14 +30,14 @@ struct JobField {
   Member member;
   Form form = Form::kPlain;
   std::int64_t low = kLeast, high = kMost;  // range of a number; of a time in a submission: seconds from now
-  const char* described = "";               // in answers; null: not in answers
-  const char* label = nullptr;              // of its row on the page; null: no row
+  const char* described = "";               // description in answers; null: not in answers
+  const char* label = nullptr;              // label of its row on the page; null: no row
 
   const char* asked_as = nullptr;    // its key in a submission; null: clients cannot set it
   const char* asked_described = "";  // there
-  const char* expected = nullptr;    // in error messages; null: parse_submit() checks the field separately
-  bool has_default = false;          // the default of Job, also in the schema
-  const char* option = nullptr;      // of `multum jobs submit`
+  const char* expected = nullptr;    // text for error messages; null: parse_submit() checks the field separately
+  bool has_default = false;          // the schema also gives the default of Job
+  const char* option = nullptr;      // option of `multum jobs submit`
   const char* option_help = "";
 
   bool has_column() const { return !std::holds_alternative<std::vector<std::int64_t> Job::*>(member); }

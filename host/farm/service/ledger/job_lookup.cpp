@@ -40,7 +40,7 @@ constexpr char kOfQueueAndState[] =
     "WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_next WHERE queue = ?2 AND state = ?1 AND id < IFNULL(?3, "
     "9223372036854775807) ORDER BY id DESC LIMIT ?4) ORDER BY id DESC";
 
-// One query for each kind of filter; `text` makes it from its conditions.
+// One query for each kind of filter; `text` makes a query from its conditions.
 struct FilteredQueries {
   template <typename Text>
   explicit FilteredQueries(const Text& text)
@@ -70,8 +70,8 @@ std::vector<Job> JobQueue::list(const JobFilter& filter) {
 }
 
 std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
-  // Casts texts to blobs: the length of a text is in characters, and counting them reads the whole text. Adds 10 bytes
-  // per need, and 500 for a job's names and times.
+  // Casts texts to blobs, because the length of a text is in characters, and counting characters reads the whole text.
+  // Adds 10 bytes per need, and 500 for a job's names and times.
   static const FilteredQueries sql([](const char* conditions) {
     std::string bytes = "500 + 10 * (SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id)";
     for (const JobField& field : job_fields())

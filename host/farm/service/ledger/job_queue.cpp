@@ -66,7 +66,7 @@ void JobQueue::take_numbers() {
 
 void JobQueue::reserve(std::int64_t id) {
   if (numbers_.empty() || id <= reserved_) return;
-  // Not synced: the file matters only if the ledger is lost, and is not meant for a power cut at the same time.
+  // The file is not synced: it matters only if the ledger is lost, and does not cover a power cut at the same time.
   const std::int64_t last = id + kReservedAtOnce - 1;
   const std::string fresh = numbers_ + ".new";
   std::ofstream file(fresh);
@@ -184,7 +184,8 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
     first = std::move(candidate);
     first_priority = of_queue.priority;
   }
-  // Small jobs of other queues must not overtake a large one either: it would wait as long as they keep coming.
+  // Small jobs of other queues must not overtake a large job either: the large job would wait as long as small jobs
+  // keep coming.
   if (!first || first->is_held_up) return std::nullopt;
   std::optional<Job> best = std::move(first->job);
   best->state = JobState::kRunning;
@@ -212,7 +213,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
 }
 
 std::optional<TimeMs> JobQueue::next_due() {
-  // Names the indices: SQLite would use the index of states, and read all queued jobs.
+  // Names the indices, because SQLite would otherwise use the index of states and read all queued jobs.
   SqliteStatement& query = statement(
       "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs INDEXED BY jobs_back_off WHERE not_before IS NOT NULL "
       "AND state = 1 UNION ALL SELECT MIN(deadline) FROM jobs INDEXED BY jobs_deadline WHERE deadline IS NOT NULL AND "
@@ -361,7 +362,7 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   const std::optional<Job> job = find(id);
   if (!job) return CancelResult::kUnknown;
   if (job->state == JobState::kRunning) {
-    // Its attempt may have failed already without the ledger knowing: it would be queued again.
+    // The attempt may have failed already without a record in the ledger; the job would then be queued again.
     statement("UPDATE jobs SET stop_asked = ? WHERE id = ?").bind(1, why).bind(2, id).run();
     return CancelResult::kStopWorker;
   }
@@ -407,7 +408,7 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
     return {{}, fmt::format("job {} {}: the job cannot be retried, submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
-  // Jobs that died without ever running, because they need these, wait again, unless they lack another need or their
+  // Jobs that need these jobs, and therefore died without running, wait again, unless another need is missing or their
   // deadline has passed. Each such job is examined once per job that it needs.
   for (std::size_t i = 0; i < result.queued.size(); ++i) {
     SqliteStatement& dependents = statement(
@@ -423,7 +424,7 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   return result;
 }
 
-// Returns whether all of its needs have succeeded, or still may.
+// Returns whether each of the job's needs has succeeded or can still succeed.
 bool JobQueue::may_wait(std::int64_t id) {
   SqliteStatement& lacks = statement(
       "SELECT 1 FROM needs LEFT JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND (jobs.id IS NULL OR "
@@ -526,7 +527,7 @@ void JobQueue::forgive_back_offs(TimeMs now) {
       .run();
 }
 
-// No job may wait for one that has failed or does not exist. Such jobs occur in rescued ledgers, and in ledgers older
+// No job may wait for a job that has failed or does not exist. Such jobs occur in rescued ledgers, and in ledgers older
 // than version 4.
 void JobQueue::settle_waiting(TimeMs now) {
   SqliteStatement& query = statement(
@@ -561,13 +562,13 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
       continue;
     }
     const bool is_slurm = keeps_slurm && is_slurm_owner(job.owner);
-    // A job that was asked to stop is cancelled here, since no process would stop it; Slurm cancels it as unknown
-    // later.
+    // A job that was told to stop is cancelled here, because no process would stop it; later, Slurm cancels the job as
+    // unknown.
     if (is_slurm && slurm_.has_sent(id, job.attempt) && job.stop_asked.empty()) {
       recovered.with_slurm.push_back(job);
       continue;
     }
-    // A job on its way to Slurm had not begun.
+    // A job that was being sent to Slurm had not begun.
     const AttemptResult lost =
         is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before it sent the job to Slurm"}
                  : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while the job ran"};

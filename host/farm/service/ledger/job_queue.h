@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of jobs: keeps every accepted job until it is purged, and lets each result be published once. Pure state:
-// it starts nothing, waits for nothing, and gets the time from its caller. Only one thread uses it (queue_thread.h).
+// The ledger of jobs: keeps every accepted job until the job is purged, and lets each result be published only once.
+// The ledger is pure state: it starts nothing, waits for nothing, and gets the time from its caller. Only one thread
+// uses it (queue_thread.h).
 #pragma once
 
 #include <functional>
@@ -36,7 +37,7 @@ struct ClaimLimits {
 };
 
 struct RetryPolicy {
-  TimeMs back_off_first = 1000;  // before the second attempt; doubles with each further attempt
+  TimeMs back_off_first = 1000;  // pause before the second attempt; doubles with each further attempt
   TimeMs back_off_max = 300000;
 };
 
@@ -44,7 +45,7 @@ struct LedgerSettings {
   std::string path;       // file of the database
   std::string results;    // folder whose files are purged with their jobs, without links; "": none
   std::string instance;   // name of the folder that owns the ledger; "": any
-  std::string numbers;    // file with the highest number that may have been given; "": no such file
+  std::string numbers;    // file with the highest number that jobs may have; "": no such file
   bool may_begin = true;  // false: the ledger must exist and belong to this instance
   RetryPolicy retry;
 };
@@ -88,24 +89,25 @@ class JobQueue {
   /// Throws Error(kEnvironment) if a job submitted now would be lost.
   void check_kept() const { database_.check_may_change(); }
 
-  /// Returns an existing job of the same key and output instead of a new one if it waits, runs, or has a result that
-  /// `is_intact` accepts. Throws Error(kUsage) for needs that do not exist, or have failed for good.
+  /// Returns an existing job of the same key and output instead of a new job if the existing job waits, runs, or has a
+  /// result that `is_intact` accepts. Throws Error(kUsage) for needs that do not exist, or have failed for good.
   using IsIntact = std::function<bool(const Job& succeeded)>;
   SubmitResult submit(const JobSubmission& submission, const IsIntact& is_intact, TimeMs now);
 
-  /// Returns the first job that may run, now running under a lease of `owner`; nullopt if there is none.
+  /// Gives `owner` a lease on the first job that may run, and returns this job; nullopt if no job may run.
   std::optional<Job> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
   /// Earliest end of a back-off or deadline among jobs that do not run.
   std::optional<TimeMs> next_due();
 
-  /// The holder of the lease reports that the result is ready under its staging name. Returns false if it no longer
-  /// holds the lease.
+  /// The holder of the lease reports that the result is ready under its staging name. Returns false if the caller no
+  /// longer holds the lease.
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
-  /// The result has its name. Queues the jobs that needed it.
+  /// Records that the result has its final name. Queues the jobs that needed it.
   void published(std::int64_t id, TimeMs now);
   /// Removes a job's key: its inputs have changed since it was submitted, so the key does not describe its result.
   void forget_key(std::int64_t id);
-  /// An attempt failed, or ended without a result to publish. Returns false if `owner` no longer holds the lease.
+  /// Records that an attempt failed, or ended without a result to publish. Returns false if `owner` no longer holds the
+  /// lease.
   bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
 
   CancelResult cancel(std::int64_t id, const std::string& why, TimeMs now);
@@ -150,7 +152,7 @@ class JobQueue {
   /// Records that a job's result could not be published.
   void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);
 
-  /// Tells whether the ledger gave a number to a job that has ended. Numbers that it does not know count as not ended.
+  /// Tells which numbers belong to jobs that have ended. Numbers that the ledger did not give count as not ended.
   struct Given {
     std::int64_t first = 0, last = 0;  // the ledger gave all of these numbers
     bool has(std::int64_t id) const { return first <= id && id <= last; }
@@ -190,7 +192,7 @@ class JobQueue {
   bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
   struct Candidate {
     Job job;
-    bool is_held_up = false;  // for lack of memory next to all running jobs
+    bool is_held_up = false;  // held up because the running jobs leave too little memory
   };
   std::optional<Candidate> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                            TimeMs now);
@@ -199,7 +201,7 @@ class JobQueue {
   std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
-  /// Use by running and publishing jobs, a copy of data in the database.
+  /// Resources that running and publishing jobs use; a copy of data in the database.
   struct Use {
     int jobs = 0;
     std::int64_t memory = 0;

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Ids = std::set<std::int64_t>;
 
-// A table whose rows are found by a number. `is_whole`: a condition that a row with damaged columns would not meet.
+// A table whose rows are found by a number. `is_whole`: a condition that rows with damaged columns do not meet.
 struct RescuedTable {
   const char* name;
   const char* number;
@@ -60,7 +60,7 @@ const RescuedTable kAttempts = {
     "number BETWEEN 1 AND 1000000000 AND outcome BETWEEN 0 AND 6 AND typeof(owner) = 'text' AND typeof(started) = "
     "'integer' AND typeof(ended) IN ('integer', 'null') AND typeof(message) = 'text'"};
 const RescuedTable kNeeds = {"needs", "job", {"job", "needs"}, "typeof(needs) = 'integer' AND needs < job"};
-// With a list of tables copied from another ledger, the place of this table may belong to another table, which also
+// If the list of tables is copied from another ledger, the place of this table may belong to another table that also
 // holds pairs of small numbers. So the index must contain each pair too.
 const RescuedTable kNeedsByIndex = {
     "needs",
@@ -119,7 +119,7 @@ class Rescue {
 
  private:
   static constexpr std::int64_t kHighest = std::int64_t{1} << 52;
-  static constexpr std::int64_t kProbesMax = 2000000;  // numbers to try between two readable parts; takes seconds
+  static constexpr std::int64_t kProbesMax = 2000000;  // numbers to try between two readable parts, which takes seconds
 
   bool has_table(const char* name) {  // tables exist from version 4 on
     bool is_there = false;
@@ -130,7 +130,7 @@ class Rescue {
     return is_there;
   }
 
-  // Returns the numbers of all possible rows: from the first and from the last up to a damaged one, and all in between.
+  // Returns the numbers of all possible rows: the rows from each end up to a damaged row, and all numbers in between.
   Ids numbers_of(const RescuedTable& table) {
     Ids numbers;
     const auto scan = [&](const char* order) {
@@ -354,7 +354,7 @@ Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, con
   return rescued;
 }
 
-// Renames the old ledger, and gives its name to the new one.
+// Renames the old ledger, and gives its name to the new ledger.
 std::string take_place(const std::string& path, const std::string& fresh) {
   const std::string kept = free_name(path);
   std::error_code error;
@@ -380,12 +380,12 @@ RescueReport rescue_ledger(const std::string& data) {
   if (!fs::is_regular_file(path, error))
     throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
   const std::unique_ptr<DataLock> lock = DataLock::take(data);
-  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there; end it first");
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there; stop it first");
   if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
     throw Error(ErrorCode::kInput, path +
                                        ": is empty, so there is nothing to rescue; move it away, and start once "
                                        "with 'multum serve --new-ledger'");
-  // Works on a copy: opening a database writes to it.
+  // Works on a copy, because opening a database writes to it.
   const Scaffold scaffold{path + ".copy", path + ".rescued"};
   LedgerSettings settings;
   settings.path = scaffold.fresh;

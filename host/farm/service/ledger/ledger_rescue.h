@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rescues the readable part of a damaged ledger into a new one. Reads each table row by row from both ends, and by
-// number in between, so that a damaged page costs only the rows on it. If the page with the list of tables is lost, the
+// number in between, so that a damaged page loses only its own rows. If the page with the list of tables is lost, the
 // page of a new ledger replaces it, because all ledgers have the same layout.
 #pragma once
 
@@ -20,8 +20,8 @@ struct RescueReport {
   std::string kept;  // path of the old ledger
 };
 
-/// Replaces DATA/jobs.sqlite by a new ledger; the old one stays next to it under another name. Throws
-/// Error(kEnvironment) while a daemon runs there, and Error(kInput) when nothing can be read: then nothing has changed.
+/// Replaces DATA/jobs.sqlite by a new ledger; the old ledger stays next to it under another name. Throws
+/// Error(kEnvironment) while a daemon runs there, and Error(kInput) when nothing can be read; nothing is changed then.
 RescueReport rescue_ledger(const std::string& data);
 
 }  // namespace multum

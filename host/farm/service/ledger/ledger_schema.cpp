@@ -19,7 +19,8 @@ constexpr std::int64_t kSchemaVersion = 6;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": identifies ledgers for `file` and others
 
 // States and outcomes are stored as the numbers of their enumerations, which therefore must never be renumbered. Other
-// columns of jobs (job_fields.cpp) are added after these: all ledgers need one order of columns for a rescue.
+// columns of jobs (job_fields.cpp) are added after these columns, because a rescue needs the same order of columns in
+// all ledgers.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE jobs (
   id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
@@ -154,9 +155,8 @@ void bind_column(SqliteStatement& insert, int number, const JobField&, Number va
 }  // namespace
 
 const char* lost_ledger_advice() {
-  return "put the ledger back; or copy the readable jobs of a damaged one by 'multum serve --rescue'; or begin a new "
-         "one "
-         "by 'multum serve --new-ledger'; see docs/reference/service.md";
+  return "put the ledger back, copy the readable jobs of a damaged ledger with 'multum serve --rescue', or begin a new "
+         "ledger with 'multum serve --new-ledger'; see docs/reference/service.md";
 }
 
 void prepare_ledger(SqliteDatabase& database, bool may_begin) {

@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Reads DATA/instance; "": missing, or without a name.
+/// Reads DATA/instance; "": the file is missing or contains no name.
 std::string read_instance(const std::string& data);
 
 /// Finds the ledger before it is opened. `begins_anew`: `--new-ledger` was given, for a folder whose ledger is lost.
@@ -18,8 +18,8 @@ std::string read_instance(const std::string& data);
 /// replace an existing one.
 LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begins_anew);
 
-/// Continues an opened ledger: its numbers go on above all numbers in the folder, and the folder gets its name. Returns
-/// the name.
+/// Continues an opened ledger: new numbers begin above all numbers in the folder, and the folder gets the ledger's
+/// name. Returns the name.
 std::string take_up_ledger(QueueThread& ledger, const std::string& data);
 
 }  // namespace multum

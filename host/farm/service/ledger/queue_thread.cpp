@@ -15,7 +15,7 @@ namespace {
 // Largest number of tasks per commit. With more, the first task would wait long for the last.
 constexpr std::size_t kBatchMax = 256;
 
-// Repeats `work` until it gets memory, so that callers are told the result.
+// Repeats `work` until there is enough memory, so that callers get the result.
 template <typename Work>
 void until_it_can(const Work& work) {
   for (;;) {
@@ -63,7 +63,7 @@ void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(do
 
 void QueueThread::run_now(const Work& work) {
   std::promise<std::exception_ptr> ended;
-  // Not through `post`: the caller's thread waits. Not before the commit either, which may fail.
+  // Does not use `post`, because the caller's thread waits. Waits for the commit, because it may fail.
   add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
   if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
 }
@@ -90,7 +90,7 @@ void QueueThread::loop() {
       }
     }
     if (!run_batch(batch) && batch.size() > 1) {
-      // On a full disk one writing task makes all fail. Run one by one, the reading tasks succeed.
+      // On a full disk, one writing task makes all tasks of a batch fail. Run one by one, the reading tasks succeed.
       for (Task& task : batch) {
         task.error = nullptr;
         std::vector<Task> alone;
@@ -109,7 +109,8 @@ void QueueThread::loop() {
   }
 }
 
-// Called at the start of a batch and before its commit: data written to a removed file must not be promised to clients.
+// Called at the start of a batch and before its commit, because clients must not be told that data in a removed file is
+// safe.
 void QueueThread::look_for_loss() {
   if (is_lost_) return;
   const std::string what = queue_.database().displaced();

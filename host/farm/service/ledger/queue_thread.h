@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the only thread that uses the ledger. Concurrent requests are committed together: one sync of the disk serves
-// all of them, and none is answered before it. If the ledger is removed or replaced meanwhile, it becomes read-only:
-// commits to it would be lost.
+// Runs the only thread that uses the ledger. Concurrent requests are committed together: one disk sync serves all of
+// them, and none is answered before that sync. If the ledger is removed or replaced meanwhile, it becomes read-only,
+// because commits would be lost.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@ class QueueThread {
 
   /// Opens the ledger; throws like JobQueue.
   QueueThread(const LedgerSettings& settings, Post post);
-  /// Finishes all requested work, then ends.
+  /// Finishes all requested work, then ends the thread.
   ~QueueThread();
   QueueThread(const QueueThread&) = delete;
   QueueThread& operator=(const QueueThread&) = delete;

@@ -17,8 +17,8 @@ enum class SlurmPartState { kSent, kSucceeded, kFailed, kLost, kCancelled };
 /// Returns "sent" ... "cancelled".
 const char* slurm_part_state_name(SlurmPartState state);
 
-/// A part of a job's attempt, done by a Slurm task. Each Slurm job is a batch: either parts of many jobs, one after the
-/// other in one task, or an array of tasks with one share of one map each.
+/// A part of a job's attempt, done by a Slurm task. Each Slurm job is a batch. A batch is either one task that does
+/// parts of many jobs one after the other, or an array of tasks that each do one share of a map.
 struct SlurmPart {
   std::int64_t batch = 0;
   int item = 0;  // number within the batch; in an array, the task's number

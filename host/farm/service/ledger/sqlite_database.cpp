@@ -102,7 +102,8 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
   const int result = sqlite3_open_v2(path_.c_str(), &handle_, flags, nullptr);
   try {
     if (result != SQLITE_OK) fail(result);
-    // Exclusive mode before the log is opened: works without shared memory, and fails if another process uses the file.
+    // Sets exclusive mode before the log is opened. This mode works without shared memory, and fails if another process
+    // uses the file.
     execute(
         "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
         "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF");
@@ -167,7 +168,7 @@ void SqliteDatabase::look_only(const std::string& why) {
   if (file_number(path_) == file_) {  // only its log is gone: saves the log's contents
     try {
       execute("PRAGMA wal_checkpoint(FULL)");
-    } catch (const Error& error) {  // within a transaction: closing does it
+    } catch (const Error& error) {  // within a transaction: closing the database does it
       log_verbose(error.what());
     }
   } else {  // closing would remove another file's log
@@ -180,8 +181,8 @@ void SqliteDatabase::check_may_change() const {
   if (is_look_only()) throw Error(ErrorCode::kEnvironment, look_only_);
 }
 
-// Returns the errno of the last failed call: SQLite itself keeps it only for some statements, and not for COMMIT.
-// Returns 0 for an errno of another kind.
+// Returns the errno of the last failed call if it reports a lack of space, otherwise 0. SQLite itself keeps the errno
+// only for some statements, and not for COMMIT.
 int SqliteDatabase::no_space_errno() const {
   if (const int error = sqlite3_system_errno(handle_); is_no_space(error)) return error;
   for (const int kind : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {

@@ -49,7 +49,7 @@ class SqliteStatement {
   /// Binds a column of another database's row.
   SqliteStatement& bind(int number, const SqliteStatement& row, int column);
 
-  /// Moves to the next row; returns false after the last, and then values may be bound again.
+  /// Moves to the next row. Returns false after the last row; then values may be bound again.
   bool step();
   /// Runs a statement without rows. Returns the number of changed rows.
   int run();
@@ -84,8 +84,8 @@ class SqliteDatabase {
   /// literal, or a static text.
   SqliteStatement& statement(const char* sql);
   std::int64_t last_insert_id() const;
-  /// Moves committed data from the log to the file, so that the log needs no more space. Not within a transaction.
-  /// Returns false if there is no room for that either.
+  /// Moves committed data from the log to the file, so that the log needs no more space. Must not be called within a
+  /// transaction. Returns false if there is no room for this move either.
   bool empty_log();
   /// Findings of `PRAGMA quick_check`; empty if there are none.
   std::string damage();
@@ -111,7 +111,7 @@ class SqliteDatabase {
   int no_space_errno() const;
   std::string path_;
   sqlite3* handle_ = nullptr;
-  FileNumber file_, log_file_;  // when they were opened
+  FileNumber file_, log_file_;  // the files when they were opened
   std::string look_only_;       // the reason for read-only mode; empty: changes are allowed
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };

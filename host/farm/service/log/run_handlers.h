@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the event loop of a serving thread: a handler that throws, usually for lack of memory, loses only its own work,
-// and the other handlers continue.
+// Runs the event loop of a serving thread. A handler that throws, usually for lack of memory, loses only its own work;
+// the other handlers continue.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Runs until `io` is stopped or has no work. Logs an exception with this severity, after `what`.
+/// Runs until `io` is stopped or has no work. Logs exceptions with this severity, each after the text `what`.
 void run_handlers(boost::asio::io_context& io, LogSeverity severity, const std::string& what);
 
 }  // namespace multum

@@ -34,8 +34,8 @@ std::string in_one_line(std::string text) {
   return text.empty() ? "no message" : text;
 }
 
-// Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. When the controller answers again, or a partition is
-// up again, Slurm accepts the same order.
+// Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. Slurm accepts the same order when the controller
+// answers again, or when the partition is up again.
 constexpr std::array kNotNowTexts = {"unable to contact slurm controller",
                                      "timed out",
                                      "did not end within",
@@ -165,7 +165,7 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
 std::optional<int> SlurmCommands::array_size_max() const {
   try {
     return parse_array_size_max(run({"scontrol", "show", "config"}));
-  } catch (const Error&) {  // scontrol is missing, or may not tell: sbatch will refuse long arrays
+  } catch (const Error&) {  // scontrol is missing, or does not print the limit: sbatch will reject long arrays
     return std::nullopt;
   }
 }

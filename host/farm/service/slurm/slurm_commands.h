@@ -33,16 +33,16 @@ struct SlurmTask {
   int item = -1;  // its number in the array; -1: not in an array
   std::string name, state, reason, node;
 
-  /// Returns whether the task will not run any more.
+  /// Returns whether the task will not run again.
   bool is_over() const;
-  /// Returns whether the task will only run if a person intervenes.
+  /// Returns whether the task needs an intervention by a person before it can run.
   bool is_stuck() const;
 };
 
 /// Returns the name of a task for scancel and scontrol: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// The meaning of sbatch's messages for the sender.
+/// What an error message of sbatch means for the order.
 enum class SlurmRefusal {
   kNotNow,        // the controller does not answer, or accepts nothing at present: the same order may succeed later
   kNever,         // a partition, an account, a limit: the order fails until the settings are changed

@@ -12,9 +12,9 @@
 
 namespace multum {
 
-/// Runs the type's estimate_command (for bakes, `multum plan`) in a child that is confined to `roots` and has limits of
-/// memory and time, since the map belongs to a client. Without a command, uses estimated_seconds(). Otherwise, or if
-/// the child fails, the cost is unknown. Blocks.
+/// Runs the type's estimate_command (for bakes, `multum plan`) in a child process. The child is confined to `roots`,
+/// with limits of memory and time, because the map belongs to a client. Without a command, uses estimated_seconds().
+/// Otherwise, or if the child fails, the cost is unknown. Blocks.
 SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings,
                             const std::vector<std::string>& roots);
 

@@ -38,7 +38,7 @@ std::optional<Json> read_json(const std::string& path) {
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
 
-// Returns nullopt for values of wrong types too.
+// Returns nullopt also for values of wrong types.
 template <typename Value, typename Read>
 std::optional<Value> read_as(const std::string& path, const Read& read) {
   try {
@@ -153,7 +153,7 @@ std::optional<SlurmEnd> SlurmBatchFolder::end(int item) const {
 
 std::string SlurmBatchFolder::make_work_folder(int item) const {
   const std::string folder = fmt::format("{}/work-{}", path_, item);
-  // The folders of a daemon's data; a worker here does not use the last two.
+  // The folders of a daemon's data; Slurm workers do not use the last two.
   for (const char* part : {"logs", "scratch", "uploads", "results"}) make_folder(folder + "/" + part);
   return folder;
 }
@@ -176,8 +176,8 @@ std::string SlurmBatchFolder::last_words(int item, bool is_array) const {
 
 void SlurmBatchFolder::move_log(int work_item, int item, const std::string& to, const std::string& prefix,
                                 bool is_last) const {
-  // A file next to the log records how much has been moved, also for the next daemon. No link is followed, because
-  // workers write there.
+  // A file next to the log records how many bytes have been moved, also for the next daemon. No link is followed,
+  // because workers write to this folder.
   const std::string noted = fmt::format("{}/moved-{}", path_, item);
   std::int64_t begin = 0;
   std::ifstream(noted) >> begin;

@@ -3,7 +3,7 @@
 // compared, since nodes have their own clocks.
 //
 //   FOLDER/multum-INSTANCE/batch-17/
-//     order.json        the work; if it is removed, the batch's tasks end
+//     order.json        the work; if the file is removed, the batch's tasks end
 //     stop-3            item 3 is cancelled
 //     status-3.json     {"beat", "node", "stage", "done", "total"}: the beat grows while the item is worked at
 //     ended-3.json      {"exit_code", "message", "inputs_changed", "node"}
@@ -24,7 +24,7 @@ namespace multum {
 
 /// The work of a task, as in order.json.
 struct SlurmOrder {
-  bool is_array = false;  // each task does the item of its number; otherwise one task does all
+  bool is_array = false;  // each task does the item with its number; otherwise one task does all items
   std::vector<std::string> roots;
   int threads = 1;
   std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};
@@ -46,7 +46,7 @@ struct SlurmEnd {
   std::string node;
 };
 
-/// The files of one batch, for both sides.
+/// The files of one batch, for the daemon and for the tasks.
 class SlurmBatchFolder {
  public:
   explicit SlurmBatchFolder(std::string path) : path_(std::move(path)) {}
@@ -62,7 +62,7 @@ class SlurmBatchFolder {
   void stop(int item) const;
   bool is_stopped(int item) const;
 
-  /// Names of the files that it holds at present.
+  /// Names of the files that the folder contains at present.
   std::set<std::string> names() const;
   static std::string status_name(int item);
   static std::string end_name(int item);
@@ -73,7 +73,7 @@ class SlurmBatchFolder {
   std::optional<SlurmStatus> status(int item) const;
   std::optional<SlurmEnd> end(int item) const;
 
-  /// Creates the work folder, with all folders in it, of a worker whose first item is `item`.
+  /// Creates the work folder, with all its folders, for a worker whose first item is `item`.
   std::string make_work_folder(int item) const;
   std::string log(int work_item, int item) const;
   /// Path for the output of Slurm's tasks; "%a" stands for the number of an array's task.

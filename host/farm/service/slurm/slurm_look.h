@@ -20,7 +20,7 @@ using SlurmPartKey = std::pair<std::int64_t, int>;
 struct SlurmWatched {
   SlurmPartKey key;
   bool is_array = false;
-  std::string log, log_prefix;  // file for its output, and the prefix of each line
+  std::string log, log_prefix;  // file for the part's output, and the prefix of each line
 
   /// The item whose work folder holds its log.
   int work_item() const { return is_array ? key.second : 0; }
@@ -29,7 +29,7 @@ struct SlurmWatched {
 struct SlurmLook {
   std::string trouble;  // why Slurm did not answer; "": it answered
   std::vector<SlurmTask> tasks;
-  std::optional<int> array_size_max;  // from Slurm's settings, if requested
+  std::optional<int> array_size_max;  // read from Slurm's settings, if requested
   struct Seen {
     std::optional<SlurmStatus> status;
     std::optional<SlurmEnd> end;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides jobs into Slurm batches: several small jobs per task, since each task costs about half a second of its slot;
-// for large maps, one share per task.
+// Divides jobs into Slurm batches: several small jobs per task, because each task costs about half a second of its
+// slot; for large maps, one share per task.
 #pragma once
 
 #include <chrono>
@@ -18,15 +18,15 @@ namespace multum {
 
 /// The expected cost of a job, as far as it is known in advance.
 struct SlurmEstimate {
-  double seconds = -1.0;              // time in a slot; below 0: unknown
-  int share_count = 0;                // bands of its map; 0: not divided
+  double seconds = -1.0;              // seconds in a slot; below 0: unknown
+  int share_count = 0;                // number of bands of the job's map; 0: the map is not divided
   std::vector<double> share_seconds;  // times of share 0, one band, and the merge
 };
 
 constexpr int kChunkJobsMax = 100;
 
-/// Groups jobs, given by their indices in `seconds`, in order: small jobs until they fill `chunk_seconds`, each other
-/// job by itself.
+/// Groups jobs, which are given by their indices in `seconds`, in order: small jobs share a group until they fill
+/// `chunk_seconds`; each other job is a group by itself.
 std::vector<std::vector<std::size_t>> make_chunks(const std::vector<double>& seconds, double chunk_seconds);
 
 /// Returns a time limit in the range of the settings; it doubles with each attempt.

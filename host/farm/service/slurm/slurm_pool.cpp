@@ -58,7 +58,7 @@ void SlurmPool::beside(asio::thread_pool& threads, std::function<std::function<v
   });
 }
 
-// Runs work in the ledger, again while the disk is full, but not if the ledger is lost.
+// Runs work in the ledger; repeats it while the disk is full, but not if the ledger is lost.
 void SlurmPool::note(QueueThread::Work work, std::function<void()> done) {
   ledger_.run(work, [=, this](const std::exception_ptr& error) {
     if (!error) return done();
@@ -127,7 +127,7 @@ void SlurmPool::order(SlurmWork work) {
 }
 
 void SlurmPool::flush() {
-  // Collects jobs for a while when they come one by one: they may share a task.
+  // Collects jobs for a while when they arrive one by one, so that they can share a task.
   if (settings_.slurm.chunk_seconds <= 0.0 || new_.size() >= kEstimatedAtOnce) return estimate_new();
   if (new_.empty() || is_gathering_) return;
   is_gathering_ = true;
@@ -302,7 +302,7 @@ void SlurmPool::submit_ready() {
     for (const Sending& sending : sendings) {
       const std::vector<int>& array = sending.submission.array;
       const std::size_t size = array.empty() ? 0 : static_cast<std::size_t>(array.back()) + 1;
-      // Arrays of this size would be refused too.
+      // Slurm would refuse arrays of this size too.
       if (refused_size > 0 && size >= refused_size) {
         sent.push_back({sending.number, std::nullopt, array_refusal});
         continue;
@@ -375,7 +375,7 @@ void SlurmPool::take_sent(const std::vector<Sent>& sent) {
       [] {});
 }
 
-// Decides whether and when a refused batch is sent again.
+// Decides if and when a refused batch is sent again.
 void SlurmPool::take_refusal(Batch& batch, const std::string& refusal) {
   if (refusal != batch.refusal)
     service_log(LogSeverity::kWarning, batch.parts.empty() ? 0 : batch.parts.begin()->second.row.job,
@@ -517,7 +517,7 @@ void SlurmPool::end_if_idle(std::int64_t job) {
   const WorkResult result = *found->second.result;
   const int attempt = found->second.work.order.attempt;
   works_.erase(found);
-  // Posted and not called here: the receiver may order more.
+  // Posted and not called directly, because the receiver may order more work.
   asio::post(io_, [this, job, attempt, result] { events_.ended(job, attempt, result); });
 }
 

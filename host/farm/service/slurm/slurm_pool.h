@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's side of its work at Slurm. The ledger records what Slurm has (slurm_notes.h); Slurm only dispatches:
+// The daemon's side of its work at Slurm. The ledger records the work that Slurm has (slurm_notes.h); Slurm only
+// dispatches it:
 //
 //   order() ─> estimate ─> note in the ledger ─> sbatch ─> look every `poll`: at squeue, at the shared folder
 //                              ^                              │
@@ -38,14 +39,14 @@ namespace multum {
 
 struct SlurmPoolSettings {
   SlurmSettings slurm;
-  std::string instance;            // part of the names of its jobs at Slurm
+  std::string instance;            // part of the names of the daemon's jobs at Slurm
   std::vector<std::string> roots;  // folders that jobs may read and write
   std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};  // for workers on nodes
 };
 
 struct SlurmWork {
-  WorkOrder order;   // its log collects the logs of nodes
-  std::string made;  // its result before it has its name; shares are next to it
+  WorkOrder order;   // the order's log collects the logs of nodes
+  std::string made;  // the result under its staging name; shares are next to it
   std::int64_t memory_bytes = 0;
   int priority = 0;  // sum of the priorities of job and queue
 };
@@ -82,12 +83,12 @@ class SlurmPool {
   /// Sends nothing more; work at Slurm continues.
   void close();
 
-  /// Number of further jobs that it accepts.
+  /// Returns the number of further jobs that the pool accepts.
   int room() const;
   void order(SlurmWork work);
   /// Sends ordered jobs soon.
   void flush();
-  /// Asks a job to stop; it ends when Slurm reports so. Returns false if the job is not here.
+  /// Tells a job to stop; the job ends when Slurm reports its end. Returns false if the job is not in this pool.
   bool cancel(std::int64_t job);
   /// Ends the task of a share, which is then requested again. Returns false if no such task runs.
   bool cancel_part(std::int64_t job, std::int64_t batch, int item);
@@ -106,7 +107,7 @@ class SlurmPool {
     std::uint64_t beat = 0;
     bool has_begun = false, is_cancelled = false;
     std::optional<Clock::time_point> heard;  // last sign of life while it runs
-    std::optional<Clock::time_point> gone;   // since when no Slurm task will do it
+    std::optional<Clock::time_point> gone;   // the time since which no Slurm task will do the part
   };
   enum class Stage { kNoting, kReady, kUnsure, kSending, kSent };  // kUnsure: Slurm may have it
   struct Batch {
@@ -115,9 +116,9 @@ class SlurmPool {
     bool is_array = false, is_revoked = false;
     Stage stage = Stage::kNoting;
     int refusals = 0, waits = 0;  // sbatch's refusals for unknown and for temporary reasons
-    int looks_to_skip = 0;        // looks to wait before it is sent again
+    int looks_to_skip = 0;        // looks to wait before the batch is sent again
     std::string refusal;          // sbatch's last message
-    // If set, the batch is not sent: exit code of its parts.
+    // If set, the batch is not sent; this is then the exit code of its parts.
     std::optional<int> refused_with;
     bool has_worked = false;  // at least one part has begun
     std::chrono::seconds time_max{0};
@@ -128,7 +129,7 @@ class SlurmPool {
     int round = 1, share_count = 0, shares_done = 0, submissions = 0;
     bool have_inputs_changed = false;
     std::optional<WorkResult> result;  // reported when none of its parts runs any more
-    std::uint64_t given_up_in = 0;     // number of the look before it was asked to stop
+    std::uint64_t given_up_in = 0;     // number of the look before the job was told to stop
   };
   struct Sending {
     std::int64_t number = 0;

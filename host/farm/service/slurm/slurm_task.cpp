@@ -90,7 +90,7 @@ class Task {
     note_end(result);
   }
 
-  // A result counts when it is written: if the folder is full, this tries again later.
+  // A result counts only when it is written, so this tries again later if the folder is full.
   void note_end(const WorkResult& result) {
     ended_ = result;
     try {

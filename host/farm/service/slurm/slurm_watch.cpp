@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr int kSubmissionsMax = 10;                     // tries of an attempt that Slurm does not begin
+constexpr int kSubmissionsMax = 10;                     // how often an attempt is submitted that Slurm does not begin
 constexpr int kIdleFactor = 10;                         // lengthens the pause between looks if nothing is watched
 constexpr auto kLingering = std::chrono::seconds(30);   // for a task whose parts have all ended
 constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
@@ -183,11 +183,11 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   }
   part.gone.reset();
   if (batch.is_revoked && is_given_up) {
-    to_cancel.push_back({task->name, *batch.slurm_job});  // repeated, since Slurm may have missed it
+    to_cancel.push_back({task->name, *batch.slurm_job});  // repeated, because Slurm may have missed it
     return Fate::kGoesOn;
   }
   if (is_given_up && !batch.is_revoked)
-    stop_item(part.row.batch, part.row.item);  // repeated, since the folder may have been full
+    stop_item(part.row.batch, part.row.item);  // repeated, because the folder may have been full
   // A task that was told to stop before this look and has not begun will not begin.
   if (is_given_up && task->state == "PENDING") return end_part(part, SlurmPartState::kCancelled, {130, "", false});
   // A task with several parts works at the first one that has not ended.
@@ -229,7 +229,7 @@ SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmT
   // Its last files may not be visible here yet.
   if (now - *part.gone < settings_.slurm.visible) return Fate::kGoesOn;
   if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // No task has begun it, and the part did not cause that; a merge itself finds out which shares are missing.
+  // No task has begun the part, and the part is not the cause; a merge itself determines which shares are missing.
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
   std::string message = task == nullptr ? fmt::format("Slurm no longer knows its task {}", name)

@@ -10,9 +10,9 @@ import { STATES, byId, bytesText, canCancel, canRetry, confirmed, isFinal, jobNa
 import { SubmitForm } from "./submit_form.js";
 
 const LOOK_MS = 15000; // finds changes without events: pauses by others, workers, a dead connection
-const COUNT_MS = 1000; // between two requests for the counts while jobs change
+const COUNT_MS = 1000; // pause between two requests for the counts while jobs change
 const ALWAYS_COUNTED = ["queued", "running", "succeeded", "dead"];
-const SAY_MS = 2000; // between two announcements to screen readers
+const SAY_MS = 2000; // pause between two announcements to screen readers
 
 let queues = [];
 
@@ -199,7 +199,7 @@ const line = new EventLine({
   state: setLine,
 });
 
-// Collects ends of jobs: a separate announcement for each of a thousand jobs would not help.
+// Collects ends of jobs, because separate announcements for a thousand jobs would not help.
 const ended = [];
 function say(job) {
   if (ended.push(job) > 1) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of jobs: one page, newest first, updated by events. Whatever happens in the service, it holds at most PAGE
-// rows and is drawn at most ten times per second.
+// The table of jobs: one page, newest first, updated by events. Whatever happens in the service, the table has at most
+// PAGE rows and is drawn at most ten times per second.
 
 import { ask } from "./client.js";
 import { errorText } from "./error_text.js";

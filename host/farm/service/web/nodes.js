@@ -136,7 +136,7 @@ export function confirmed(title, text, yes) {
   setText(byId("confirm-yes"), yes);
   dialog.showModal();
   byId("confirm-yes").focus();
-  // Not the event "close", which comes late: it may belong to the previous question.
+  // Does not use the event "close", which comes late and may belong to the previous question.
   return new Promise((resolve) => {
     dialog.querySelector("form").onsubmit = () => resolve(true);
     dialog.oncancel = () => resolve(false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds out, on request, whether this machine has an OpenCL device for jobs. A child process looks, since drivers crash
-// and hang.
+// Finds out, on request, whether this machine has an OpenCL device for jobs. A child process does this, because drivers
+// can crash and hang.
 #pragma once
 
 #include <atomic>

@@ -65,7 +65,7 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
   }
 }
 
-// Formats a value for the command line; a file as the bytes of its path.
+// Formats a value for the command line; files become the bytes of their paths.
 std::string argument_text(const Parameter& parameter, const Json& value) {
   if (!value.is_string()) return value.dump();
   const std::string text = value.get<std::string>();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The types of jobs, as registered by the program that runs the farm. Each type has a row and a table of parameters.
-// The two determine what the web interface accepts, the options of `multum jobs submit`, and the command line of a
-// worker. They also determine the files that the idempotency key covers, and the views of a result.
+// Row and table determine the requests that the web interface accepts, the options of `multum jobs submit`, and the
+// command line of a worker. They also determine the files that the idempotency key covers, and the views of a result.
 #pragma once
 
 #include <atomic>
@@ -27,21 +27,21 @@ struct JobView {
     std::string file, caption;
     std::string saved_caption = {};  // caption of a page that can only be saved
   };
-  std::vector<std::string> files;  // made by one run; every successful run makes the first
+  std::vector<std::string> files;  // files made by one run; every successful run makes the first one
   std::string program = {};        // a program in the folder of this program, or in PATH; empty: this program
   std::vector<std::string> words;  // first words of the command line
   bool writes_folder = false;      // PLACE is a folder, otherwise a file
   bool takes_roots = false;        // adds --root=FOLDER for each folder that jobs may read
   std::vector<std::pair<std::string, std::string>> maps = {};  // parameters of the job, each with the option that takes
                                                                // its file, if the file still exists
-  std::string first_map_is_for = {};  // why the view needs the first of them; empty: it does not
+  std::string first_map_is_for = {};  // why the view needs the first map; empty: it does not
   std::string folder_ending = {};     // ends the name of the view's folder; different for each view of a type
-  std::size_t kept_max = 0;           // number of views that are kept, the newest; 0: all
+  std::size_t kept_max = 0;           // number of newest views that are kept; 0: all
   std::vector<Shown> shown = {};      // files in the order of a job's page
   std::map<std::string, std::string> only_for = {};  // shown only if these parameters have these values, or none
 };
 
-/// An input that jobs of a type refuse although the command accepts it.
+/// An input that jobs of a type do not accept, although the command does.
 struct RefusedInput {
   std::string extension;
   std::string expected;  // "a map, not a baked file"
@@ -62,14 +62,14 @@ struct JobType {
   /// Lists the files that the input names, relative to the input: a child reads the input, so its folder matters.
   /// Throws Error(kInput) when it cannot be read. Null: the input names no files.
   std::vector<std::string> (*files_of_input)(const std::string& input) = nullptr;
-  bool input_is_one_map = false;  // not a set of tiles
+  bool input_is_one_map = false;  // the input is one map, not a set of tiles
   std::vector<RefusedInput> refused_inputs = {};
   std::string output_extension = {};                 // "" any
-  std::vector<std::string> refused_extensions = {};  // endings for which a folder would be taken for a file
-  /// Options of every job of the type. --absolute-geometry: a result is made next to its final place and may be copied
-  /// elsewhere, so relative paths would break.
+  std::vector<std::string> refused_extensions = {};  // file name extensions that an output folder must not have
+  /// Options of every job of the type. --absolute-geometry: a result is made next to its final place and may be copied,
+  /// so relative paths would break.
   std::vector<std::string> fixed_options = {};
-  std::int64_t memory_bytes = 0;          // memory of a job that does not state it
+  std::int64_t memory_bytes = 0;          // memory of a job whose submission does not state it
   const ParameterTable* table = nullptr;  // a job takes its kInService parameters
   std::vector<JobView> views = {};        // views of a finished job's result
   std::string no_other_view = {};         // why the type has no other views
@@ -85,8 +85,8 @@ struct JobType {
   const JobView* find_view(const std::string& file) const;
 };
 
-/// Registers the types of jobs that this program runs, in the order shown to people and clients. Called once, before
-/// any other call of the farm, which has no types of its own.
+/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Called once,
+/// before any other call of the farm, which has no types of its own.
 void register_job_types(std::vector<JobType> types);
 /// The registered types.
 const std::vector<JobType>& job_types();

@@ -47,7 +47,7 @@ class WorkingFolder {
       fail_by_errno(path, "cannot be used as the working folder");
   }
   ~WorkingFolder() {
-    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // or the next job would run here
+    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // the next job would run here
   }
   WorkingFolder(const WorkingFolder&) = delete;
   WorkingFolder& operator=(const WorkingFolder&) = delete;
@@ -236,7 +236,7 @@ class Worker {
 }  // namespace
 
 int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run) {
-  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which then instructs its workers
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which then tells its workers
   std::signal(SIGTERM, SIG_IGN);
   return Worker(socket, roots, run).work();
 }

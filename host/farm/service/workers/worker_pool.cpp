@@ -74,7 +74,7 @@ struct WorkerPool::Worker {
   int status = 0;  // exit status, once the process has ended
   bool is_ready = false, is_ended = false;
   bool is_ending = false;        // it gets no more jobs
-  bool is_asked_to_end = false;  // so it ends by itself
+  bool is_asked_to_end = false;  // told to end, so the process ends by itself
   std::int64_t job = 0;          // 0: idle
   int attempt = 0;
   int jobs_done = 0;

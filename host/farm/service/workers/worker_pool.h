@@ -25,7 +25,7 @@ struct WorkerPoolSettings {
   std::chrono::milliseconds lease{10000};         // without a word
   std::chrono::milliseconds no_progress{600000};  // longest time without progress; 0: no limit
   std::chrono::milliseconds cancel_grace{10000};  // time between the request to stop and the kill
-  int jobs_a_worker = 1000;                       // then the worker is replaced: drivers leak
+  int jobs_a_worker = 1000;                       // jobs before the worker is replaced, because drivers leak memory
 };
 
 struct WorkResult {
@@ -59,7 +59,7 @@ class WorkerPool {
   bool is_idle(const std::string& owner) const;
   /// Returns false if that worker is no longer idle.
   bool order(const std::string& owner, const WorkOrder& work);
-  /// Asks a running job to stop; after the grace period its worker is killed. Returns false if no worker has the job.
+  /// Tells a running job to stop; after the grace period its worker is killed. Returns false if no worker has the job.
   bool cancel(std::int64_t job);
   /// Starts no more workers and ends idle ones. Running jobs continue.
   void close();

@@ -2,8 +2,8 @@
 // Estimates the probability of a binary symbol in one context from the earlier symbols in this context. The estimate is
 // the mean of a fast and a slow exponential average. In a young context both averages cover all symbols so far: the nth
 // symbol has the weight 1/(n + 1.5), as in the estimator of Krichevsky and Trofimov. Contexts with a few dozen symbols
-// then learn as fast as possible; a texture has a few kilobytes for all its contexts. All arithmetic is integer, so
-// that encoder and decoder agree on every machine.
+// then learn as fast as possible, which matters because a texture has only a few kilobytes for all its contexts. All
+// arithmetic is integer, so that encoder and decoder agree on every machine.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +31,8 @@ class AdaptiveBit {
   static constexpr std::size_t kFastCount = 20, kSlowCount = 160;  // most symbols that each average covers
 
   /// ceil(2^26 / (2 n + 3)). The product with x, over 2^26, is x / (2 n + 3) rounded down for x up to 131070, because
-  /// the table value exceeds the quotient by less than 1, and 131070 * 323 is below 2^26. Divisions took a third of the
-  /// decoding time.
+  /// the table value exceeds the quotient by less than 1, and 131070 * 323 is below 2^26. Divisions would take a third
+  /// of the decoding time.
   static constexpr auto kReciprocals = [] {
     std::array<std::uint64_t, kSlowCount + 1> table{};
     for (std::size_t n = 0; n < table.size(); ++n) table[n] = ((std::uint64_t{1} << 26) + 2 * n + 2) / (2 * n + 3);

@@ -4,7 +4,7 @@
 namespace multum {
 namespace {
 
-/// Finds for every sixteen probabilities the least odds whose logistic is at least their middle.
+/// For every sixteen probabilities, finds the least odds whose logistic is at least the middle probability.
 std::array<std::int16_t, 4096> make_odds_table() {
   std::array<std::int16_t, 4096> odds{};
   int x = -2048;

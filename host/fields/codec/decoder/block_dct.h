@@ -12,10 +12,10 @@ bool is_dct_side(int side);
 /// Returns C, [side][side]: row k is the cosine of frequency k.
 std::span<const float> dct_cosines(int side);
 
-/// Computes coefficients[v][u] = C samples C^T: u is the frequency along rows, v along columns. Both spans have side *
-/// side values and may be the same.
+/// Computes coefficients[v][u] = C samples C^T, where u is the frequency along rows and v the frequency along columns.
+/// Both spans have side * side values and may be the same.
 void forward_dct(int side, std::span<const float> samples, std::span<float> coefficients);
-/// Zeros beyond the lowest rows and columns of coefficients take no time.
+/// Rows and columns of zeros beyond the lowest coefficients take no time.
 void inverse_dct(int side, std::span<const float> coefficients, std::span<float> samples);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads numbers from untrusted bytes: little-endian numbers, and variable lengths of seven bits per byte, the lowest
-// bits first. Beyond the end, and from the first invalid number on, all reads return 0 and `failed` is true.
+// bits first. After the end of the bytes, or after the first invalid number, all reads return 0 and `failed` is true.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds quantized coefficients of an image's blocks in three planes. Blocks of zeros, the great majority, take no
+// Holds quantized coefficients of an image's blocks in three planes. Blocks of zeros, by far the most, take no
 // memory.
 #pragma once
 

@@ -72,7 +72,7 @@ bool DctStreamDecoder::add_plane(CoefficientBlocks& image, const CoefficientBloc
       const bool is_only = !any_yet && number == groups_.blocks(group).back();
       const bool is_coded =
           has_any && syntax_.block(coder_, values, surroundings(image, parent, grid_, plane, number, level), is_only);
-      if (port_.exhausted()) return false;  // parts of this block may be made up
+      if (port_.exhausted()) return false;  // parts of this block may be arbitrary
       any_yet |= is_coded;
       if (!is_coded && parent != nullptr) continue;
       if (parent == nullptr)
@@ -97,8 +97,8 @@ CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, 
 
 namespace {
 
-/// Computes the block's samples in a plane of the images' sum. Returns false if all are zero; `samples` is then not
-/// changed.
+/// Computes the samples of a block in a plane of the images' sum. If all samples are zero, returns false and does not
+/// change `samples`.
 bool summed_block(std::span<const WeighedImage> images, const BlockGrid& grid, std::size_t plane, std::size_t number,
                   std::span<const float> steps, std::span<float> samples) {
   bool is_zero = true;

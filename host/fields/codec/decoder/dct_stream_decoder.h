@@ -70,7 +70,7 @@ class DctStreamDecoder {
   /// decoded last, or null for the first. After the stream's end, or when limits stop it, all coefficients are zero.
   CoefficientBlocks next_image(const CoefficientBlocks* parent, const CoefficientBlocks* before, std::size_t level);
 
-  /// The stream ended before its images did.
+  /// Returns whether the stream ended before its images did.
   bool exhausted() const { return port_.exhausted(); }
 
  private:
@@ -95,7 +95,7 @@ struct WeighedImage {
 
 /// Adds the images' sum to `colours`, [height][width][3]. Multiplies coefficients by `steps`, one per place of a block,
 /// and transforms them back; plane p goes to the colours of row p of `rows`. Adds images before the transform, so that
-/// one transform serves all. Blocks of zeros take no time.
+/// only one transform is needed. Blocks of zeros take no time.
 void add_colours(std::span<const WeighedImage> images, const BlockGrid& grid, std::span<const float> steps,
                  const std::array<std::array<float, 3>, 3>& rows, std::span<float> colours);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the quantized cosine coefficients of an image's blocks in groups of 4 x 4 blocks. A group has a flag whether
-// any of its blocks has values; if so, its blocks follow. A block has such a flag too, and one for each band from the
-// lowest. A band with values has the significance, magnitude and sign of each coefficient. Band 0 is the constant. Band
-// k has the frequencies whose larger index is in [2^(k-1), 2^k):
+// Codes the quantized cosine coefficients of an image's blocks in groups of 4 x 4 blocks. A flag of each group tells
+// whether any of its blocks has values; if so, the blocks follow. Each block has such a flag too, and one flag for each
+// band, the lowest first. A band with values stores the significance, magnitude and sign of each coefficient. Band 0 is
+// the constant. Band k has the frequencies whose larger index is in [2^(k-1), 2^k):
 //
 //      0 1 2 2 3 ...      u
 //      1 1 2 2 3
@@ -32,15 +32,15 @@ struct BlockSurroundings {
 
 /// The coded groups around a group of blocks.
 struct GroupSurroundings {
-  std::size_t beside = 0;  // number of groups to the left and above with values: 0 to 2
+  std::size_t beside = 0;  // number of neighbouring groups (left, above) with values: 0 to 2
   bool has_parent = false;
-  bool parent = false, before = false, luma = false;  // whether the same group there has values
+  bool parent = false, before = false, luma = false;  // whether the same group has values in that image or plane
   std::size_t plane = 0, level = 0;                   // as in BlockSurroundings
 };
 
 class DctSyntax {
  public:
-  /// `side`: one that is_dct_side() accepts.
+  /// `side`: a side that is_dct_side() accepts.
   explicit DctSyntax(int side) : side_(static_cast<std::size_t>(side)), band_count_(std::bit_width(side_)) {
     for (std::size_t v = 0; v < side_; ++v)
       for (std::size_t u = 0; u < side_; ++u) {
@@ -66,8 +66,8 @@ class DctSyntax {
                      group_mixer_[chroma]);
   }
 
-  /// Codes `values`, side * side of them; when decoding, they must be zero before. Returns whether any value is coded.
-  /// `is_coded`: this is already known.
+  /// Codes `values`, side * side numbers; when decoding, they must be zero before the call. Returns whether any value
+  /// is coded. `is_coded`: a value is known to be coded.
   template <class Port>
   bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around,
              bool is_coded = false) {
@@ -117,7 +117,7 @@ class DctSyntax {
     return values.empty() ? 0 : static_cast<std::size_t>(std::abs(values[at]));
   }
 
-  /// Returns the sum of the magnitudes of adjacent lower frequencies; the nearest counts twice.
+  /// Returns the sum of the magnitudes of adjacent lower frequencies; the nearest one counts twice.
   std::size_t lower_neighbours(std::span<const std::int16_t> values, std::size_t at) const {
     const std::size_t u = at % side_, v = at / side_;
     std::size_t sum = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits the memory and time for decoding a chunk. A few untrusted bytes could otherwise ask for gigabytes of
+// Limits the memory and time for decoding a chunk. Otherwise, a few untrusted bytes could require gigabytes of
 // coefficients and minutes of time.
 #pragma once
 
@@ -10,11 +10,11 @@
 namespace multum {
 
 struct DecodingLimits {
-  /// Most bytes of coefficients, including those needed only while decoding. A chunk that needs more is refused.
+  /// Most bytes of coefficients, including those needed only while decoding. A chunk that needs more memory is refused.
   std::size_t bytes_max = SIZE_MAX;
-  /// Checked in every block; true: decoding ends at once. Null: never.
+  /// Checked in every block; if true, decoding ends at once. Null: decoding cannot be cancelled.
   const std::atomic<bool>* cancelled = nullptr;
-  /// Set to true if bytes_max was too small. Null: not needed.
+  /// Set to true if bytes_max was too small. May be null.
   bool* ran_out = nullptr;
 };
 
@@ -25,7 +25,8 @@ class DecodingAccount {
 
   /// Sets the bytes of images that are already decoded.
   void set_kept(std::size_t bytes) { kept_ = bytes; }
-  /// Returns whether the current image's bytes exceed the limit, or the decoding is cancelled. Stays true afterwards.
+  /// Returns whether the current image's bytes exceed the limit, or the decoding is cancelled. Once true, the result
+  /// stays true.
   bool is_over(std::size_t image_bytes) {
     has_no_room_ = has_no_room_ || image_bytes > limits_.bytes_max || kept_ > limits_.bytes_max - image_bytes;
     if (has_no_room_ && limits_.ran_out != nullptr) *limits_.ran_out = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the mip levels of a texture from its finest level, the only one that a chunk stores. Each level is the
-// box-filtered mean of the next finer one, in linear radiance. Level l has max(1, W >> l) by max(1, H >> l) texels. If
-// a side is odd, each coarse texel covers n / floor(n / 2) fine texels, weighted by the covered part.
+// Makes the mip levels of a texture from its finest level, which is the only level that a chunk stores. Each level is
+// the box-filtered mean of the next finer one, in linear radiance. Level l has max(1, W >> l) by max(1, H >> l) texels.
+// If a side is odd, each coarse texel covers n / floor(n / 2) fine texels, weighted by the covered part.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ std::size_t mip_texel_count(std::size_t width, std::size_t height);
 /// Returns all levels, the finest first, [texel][3]; `finest`: [height][width][3].
 std::vector<float> mip_levels(std::size_t width, std::size_t height, std::span<const float> finest);
 
-/// Applies the adjoint: adds values of all levels, [texel][channels], to the finest level by the weights of
-/// mip_levels().
+/// Applies the adjoint of mip_levels(): adds values of all levels, [texel][channels], to the finest level with the same
+/// weights.
 std::vector<float> handed_down(std::size_t width, std::size_t height, std::size_t channels, std::vector<float> levels);
 
 }  // namespace multum

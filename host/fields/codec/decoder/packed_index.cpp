@@ -57,7 +57,7 @@ std::optional<PackedIndex> PackedIndex::read(std::span<const std::uint8_t> begin
   PackedIndex index;
   index.file_bytes_ = *needed;
   const std::uint64_t count = reader.number(kIndexBytesMax);
-  if (count > reader.left() / kSectionBytesLeast) return refuse("its index has fewer sections than it says");
+  if (count > reader.left() / kSectionBytesLeast) return refuse("its index contains fewer sections than it states");
   for (std::uint64_t i = 0; i < count; ++i) {
     PackedSection section;
     section.kind = static_cast<std::uint32_t>(reader.number(kNumberMax));

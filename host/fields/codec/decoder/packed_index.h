@@ -25,7 +25,7 @@ enum class SectionKind : std::uint32_t {
 };
 
 struct PackedSection {
-  std::uint32_t kind = 0;  // a SectionKind, or an unknown kind of a later version, which is skipped
+  std::uint32_t kind = 0;  // a SectionKind, or a kind of a later version, which is skipped
   std::uint32_t layer = 0, block = 0;
   std::uint64_t offset = 0, length = 0;  // position in the file, bytes
   std::uint32_t checksum = 0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): its images,
-// and the images that add up to each sample. A level halves some dimensions of the next finer level, each any number of
-// times. Dimensions can therefore be halved in any order, and levels can be left out. Any number of dimensions and any
-// sizes are allowed: halving 5 samples gives 3, the last of which covers one sample only.
+// The adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): the
+// pyramid's images, and the sum of images that makes each sample. A level halves some dimensions of the next finer
+// level, each of them any number of times. So dimensions can be halved in any order, and levels can be left out. Any
+// number of dimensions and any sizes are allowed: halving 5 samples gives 3 cells, and the last cell covers only one
+// sample.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +27,8 @@ class ParameterPyramid {
   };
 
   /// `sizes`: samples along each dimension, 1 to kSamplesMax in total. `levels`: the coarsest first; the last level
-  /// halves nothing. Compared with the level before, each level halves at least one dimension less often and no
-  /// dimension more often. Returns nullopt if the levels break these rules.
+  /// halves nothing. Compared with the previous level, each level halves at least one dimension fewer times and no
+  /// dimension more times. Returns nullopt if the levels break these rules.
   static std::optional<ParameterPyramid> of(std::vector<std::size_t> sizes, std::vector<Halvings> levels);
 
   std::size_t level_count() const { return levels_.size(); }
@@ -47,9 +48,9 @@ class ParameterPyramid {
   /// Returns the samples in the image's cell, ascending.
   std::vector<std::size_t> samples_of(std::size_t image) const;
 
-  /// Returns the level's images that add up to the sample. Without `linear` this is the nearest image. With `linear`
-  /// the sample is between the cell centres of these images, in each dimension. Outside the outermost centres it is
-  /// only the outermost image. Weights sum to 1.
+  /// Returns the level's images that add up to the sample. Without `linear`, returns the nearest image. With `linear`,
+  /// returns the images whose cell centres surround the sample in each dimension, or only the outermost image outside
+  /// the outermost centres. Weights sum to 1.
   std::vector<Term> terms(std::size_t level, std::size_t sample, bool linear) const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes binary symbols with their contexts; the formats of this folder are written with it. A format is one function
-// template over a coder, so that encoder, decoder and size estimates cannot differ. Each call takes the symbol to write
-// and returns the actual symbol. A decoder ignores its argument.
+// Codes binary symbols with their contexts; the formats of this folder are built on this coder. A format is one
+// function template over a coder, so that encoder, decoder and size estimates cannot differ. Each call takes the symbol
+// to write and returns the actual symbol. A decoder ignores its argument.
 #pragma once
 
 #include <array>

@@ -37,7 +37,7 @@ bool TextureChunk::decode_wavelets(std::span<const std::uint8_t> coded, Decoding
   std::vector<std::size_t> last_child(plan_.image_count());
   for (std::size_t i = 0; i < plan_.image_count(); ++i)
     if (const auto parent = plan_.parents[i]) last_child[*parent] = i;
-  std::map<std::size_t, WaveletImage> dense;  // images that later images are still decoded against
+  std::map<std::size_t, WaveletImage> dense;  // images from which later images are still predicted
   std::size_t kept = 0;
   for (std::size_t i = 0; i < plan_.image_count() && !decoder.exhausted(); ++i) {
     const auto parent = plan_.parents[i];
@@ -80,7 +80,7 @@ void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, st
   const auto rows = format_.rotation_rows();
   const std::vector<float> steps = format_.steps();
   const auto scale_of = [&](const auto& term) { return term.weight * format_.level_scale(plan_.levels[term.image]); };
-  // Sums coefficients instead of images, so that one transform serves all.
+  // Sums coefficients instead of images, so that only one transform is needed.
   if (format_.coder == ImageCoder::kDct) {
     std::vector<WeighedImage> images;
     for (const auto& term : terms)

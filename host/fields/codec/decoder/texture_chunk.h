@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes a texture chunk: first the coefficients of all images, then single images or the textures of single samples
-// on request. Uses only C++20 and its standard library, and touches no file. For any input, it throws only
+// on request. Uses only C++20 and its standard library, and accesses no files. For any input, it throws only
 // std::bad_alloc.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace multum {
 
 class TextureChunk {
  public:
-  /// Returns null if the head is invalid, and sets `problem`. If the chunk is cut short after its head, the available
-  /// part counts.
+  /// Returns null if the head is invalid, and sets `problem`. If the chunk is cut short after its head, decodes the
+  /// available part.
   static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem) {
     return decode(bytes, problem, {});
   }
@@ -58,7 +58,7 @@ class TextureChunk {
 
   TextureChunkFormat format_;
   ImagePlan plan_;
-  std::vector<CoefficientBlocks> dct_images_;  // the images are in one of these two
+  std::vector<CoefficientBlocks> dct_images_;  // the images are in one of these two members
   std::vector<SparseImage> wavelet_images_;
   bool was_cut_short_ = false;
 };

@@ -38,7 +38,7 @@ struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
   /// Most texels of all images together. The limit bounds a decoder's time and memory.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
-  /// Most images in the sums of all samples together.
+  /// Most terms in the sums of all samples together.
   static constexpr std::size_t kTermsMax = std::size_t{1} << 22;
   static constexpr std::size_t kBasisMax = 64;  // images of a basis
 
@@ -46,15 +46,16 @@ struct TextureChunkFormat {
   std::size_t width = 1, height = 1;  // texels, up to kSideMax
   std::vector<std::size_t> sizes;     // samples along each dimension of the block
   std::vector<ParameterPyramid::Halvings> levels;
-  /// The weights of a basis, which replaces the pyramid: weight of each image in each sample, in 1/127,
-  /// [image][sample]. A basis has one level.
+  /// The weights of a basis, which replaces the pyramid: the weight of each image in each sample, in 1/127,
+  /// [image][sample]. A basis has only one level.
   std::vector<std::vector<std::int8_t>> basis;
-  bool linear = false;     // interpolate images over parameters instead of taking the nearest
+  bool linear = false;     // interpolate images over parameters instead of using the nearest one
   std::uint8_t side = 16;  // of cosine blocks
-  /// A rotation of colours as a quaternion w, x, y, z in 1/32767, and the offset of each rotated plane in 1/64.
+  /// A rotation of colours as a quaternion (w, x, y, z in 1/32767), and the offset of each rotated plane in 1/64.
   std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
   std::array<std::int16_t, 3> offsets{};
-  /// Quantization steps 2^(code / 8): cosines by bit_width of the index along rows, then columns; wavelets by band.
+  /// Quantization steps 2^(code / 8): for cosines by the bit_width of the index along rows, then along columns; for
+  /// wavelets by band.
   std::vector<std::uint8_t> step_codes;
   /// Factors of all steps of a level, 2^(code / 8 - 8).
   std::vector<std::uint8_t> level_codes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes the images of a pyramid over parameters from one stream of wavelet coefficients (wavelet_syntax.h), and
-// computes their samples. If the stream is cut short, every certain bit is used.
+// computes their samples. If the stream is cut short, uses every bit that is certain.
 #pragma once
 
 #include "host/fields/codec/decoder/decoding_limits.h"
@@ -23,7 +23,7 @@ class WaveletStreamDecoder {
   /// Decodes the stream's next image. `parent`: an earlier image that this image refines, or null.
   WaveletImage next_image(const WaveletImage* parent);
 
-  /// The stream ended before its images did.
+  /// Returns whether the stream ended before its images did.
   bool exhausted() const { return port_.exhausted(); }
 
  private:
@@ -34,7 +34,8 @@ class WaveletStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// The nonzero coefficients of a plane. Samples need only these, once no other image is decoded against the plane.
+/// The nonzero coefficients of a plane. Only these are needed for samples, once no other image is predicted from the
+/// plane.
 class SparseWaveletPlane {
  public:
   SparseWaveletPlane() = default;

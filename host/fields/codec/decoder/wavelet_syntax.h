@@ -3,9 +3,9 @@
 // all coefficients to some precision. Each bit plane has a pass that finds new coefficients, and a pass that refines
 // the coefficients found in earlier planes. The first pass descends a quadtree over each band; a node is significant if
 // a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image
-// coding with a set-partitioning embedded block coder"). Contexts of a node are its neighbours, and the nodes at its
-// place in the next coarser band, in the coarser image of the pyramid over parameters, and in luma (as in embedded
-// zero-block coding: Hsiang and Woods 2000).
+// coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours, and the nodes at
+// the same place in the next coarser band, in the coarser image of the pyramid over parameters, and in luma (as in
+// embedded zero-block coding: Hsiang and Woods 2000).
 #pragma once
 
 #include <algorithm>
@@ -33,8 +33,8 @@ class WaveletPlane {
   };
   struct Tree {
     WaveletBand band;
-    std::vector<Level> levels;  // 0: coefficients; the last level is a single node
-    int coarser = -1;           // the tree of the same kind of band, one level up
+    std::vector<Level> levels;  // level 0: coefficients; the last level is a single node
+    int coarser = -1;           // index of the tree of the same kind of band, one level coarser
   };
 
   bool is_empty() const { return trees_.empty(); }
@@ -67,7 +67,7 @@ class WaveletPlane {
  private:
   std::size_t width_ = 0;
   std::vector<Tree> trees_;
-  std::vector<std::uint64_t> found_;  // one bit per coefficient: it is significant
+  std::vector<std::uint64_t> found_;  // one bit per coefficient, set if it is significant
 };
 
 /// The encoder's exact plane: whole magnitudes and signs, and the largest magnitude under each node.
@@ -76,7 +76,7 @@ struct WaveletSource {
   std::vector<std::vector<std::vector<std::uint32_t>>> largest;  // [tree][level][node]
 };
 
-/// The other known planes; null if missing.
+/// The other known planes, each null if it is missing.
 struct WaveletSurroundings {
   const WaveletPlane* parent = nullptr;  // the same plane of the coarser image
   const WaveletPlane* luma = nullptr;
@@ -96,8 +96,8 @@ class WaveletSyntax {
     return static_cast<int>(std::min<std::uint32_t>(highest, WaveletPlane::kBitPlanes));
   }
 
-  /// Codes the plane's bits from its highest bit plane. Stops when `ended` returns true; it is called after every
-  /// symbol. When decoding, `plane` has its size and no significant coefficient.
+  /// Codes the plane's bits from its highest bit plane. Calls `ended` after every symbol, and stops when it returns
+  /// true. When decoding, `plane` has its size and no significant coefficient.
   template <class Port, class Ended>
   void plane(SymbolCoder<Port>& coder, WaveletPlane& plane, int bit_planes, const WaveletSource& source,
              const WaveletSurroundings& around, Ended ended) {
@@ -126,8 +126,8 @@ class WaveletSyntax {
     int below_highest;
   };
 
-  /// Codes which coefficients become significant under a node. `certain`: at least one does. Returns false at the
-  /// stream's end.
+  /// Codes which coefficients become significant under a node. `certain`: at least one coefficient does. Returns false
+  /// at the stream's end.
   template <class Port, class Ended>
   bool find(Visit<Port, Ended>& visit, std::size_t level, std::size_t x, std::size_t y, bool certain,
             std::size_t found) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the wavelet transform of images of any size: the biorthogonal 9/7 filters of Cohen, Daubechies and Feauveau
 // (1992) by lifting (Daubechies and Sweldens 1998), with borders mirrored at the outermost samples. The scaling is
-// nearly orthonormal: an error of a coefficient causes about the same error in the image, in every band.
+// nearly orthonormal: in every band, an error of a coefficient causes about the same error in the image.
 //
 //      LL HL | HL        Coefficients replace the image's samples, the low half of a direction first:
 //      LH HH |           ceil(n / 2) low ones, floor(n / 2) high ones.

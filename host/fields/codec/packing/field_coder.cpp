@@ -22,8 +22,8 @@ constexpr double kChoiceRange = 2.0;
 }  // namespace
 
 std::uint64_t FieldCoder::bytes_of(const ChunkToCode& chunk, bool open_loop) {
-  // Each texel of a sample has three coefficients, their weight, and their uncoded rest (twice for an open loop). Also
-  // up to four thirds of an image with three coded coefficients per texel.
+  // Each texel of a sample needs three coefficients, their weight, and their uncoded rest (twice for an open loop).
+  // Images with three coded coefficients per texel add up to four thirds of an image.
   const std::uint64_t texel_bytes = 12 + 4 + (open_loop ? 24 : 12) + 16;
   return texel_bytes * chunk.width * chunk.height * chunk.textures.size();
 }
@@ -171,8 +171,9 @@ double FieldCoder::object_mse(std::size_t object) const {
   return values > 0.0 ? error / values : 0.0;
 }
 
-/// Errors grow as lambda^0.6, so a few steps find a share of lambda at which the object's error is met. The result is a
-/// share instead of a lambda: if lambda changes for the file's size, the object's error and the mean change together.
+/// Errors grow as lambda^0.6, so a few steps find a share of lambda at which the object's error limit is met. The
+/// result is a share instead of a lambda, because the object's error and the mean error change together if lambda
+/// changes for the file size.
 void FieldCoder::hold_object(std::size_t object, double lambda, double mse, double mse_max) {
   std::vector<std::size_t> numbers;
   for (std::size_t c = 0; c < kept_.size(); ++c)

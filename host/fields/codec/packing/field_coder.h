@@ -15,7 +15,7 @@ namespace multum {
 
 struct FieldCoderSettings {
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
-  std::optional<ImageCoder> coder;  // the best of all if unset
+  std::optional<ImageCoder> coder;  // unset: the best of all coders
   bool open_loop = false;
   double alpha = 0.0;  // as in FieldPackSettings
   int threads = 0;
@@ -27,7 +27,7 @@ struct FieldCoderSettings {
 /// The field coded with one lambda.
 struct FieldRound {
   double lambda = 0.0, mse = 0.0;
-  std::vector<double> object_mse;  // errors over each object's pixels
+  std::vector<double> object_mse;  // mean squared errors over each object's pixels
   double mse_covered = 0.0;
   std::vector<EncodedChunk> chunks;
   std::vector<std::uint8_t> file;
@@ -47,22 +47,22 @@ class FieldCoder {
   std::size_t chunks_resumed() const { return chunks_resumed_; }
 
   /// Lowers the share of lambda of each object whose error is above alpha times the mean. Returns false if there is
-  /// none.
+  /// no such object.
   bool hold(const FieldRound& round);
 
-  /// Returns the bytes for coding this chunk, without its textures.
+  /// Returns the memory for coding this chunk, without its textures, in bytes.
   static std::uint64_t bytes_of(const ChunkToCode& chunk, bool open_loop);
 
  private:
-  /// A chunk of an earlier round, kept while lambda stays near.
+  /// A chunk of an earlier round, kept as long as lambda changes little.
   struct KeptChunk {
     ChosenChunk chosen;
-    double lambda = 0.0;     // lambda of its coding
+    double lambda = 0.0;     // lambda with which the chunk was coded
     double chosen_at = 0.0;  // lambda at which all candidates were tried; 0: never
   };
 
   void code_chunks(const std::vector<std::size_t>& numbers, double lambda);
-  /// `before`: choices to keep; null: all are tried.
+  /// `before`: choices to keep; null: tries all candidates.
   ChosenChunk coded(std::size_t number, const ChunkSettings* before, double lambda);
   const ChunkSource& textures_of(std::size_t number, std::optional<ChunkSource>& own);
   double object_mse(std::size_t object) const;

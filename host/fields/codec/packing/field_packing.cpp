@@ -18,7 +18,7 @@ namespace multum {
 namespace {
 
 constexpr double kLambdaFirst = 500.0;
-constexpr int kAlphaPassesMax = 12;  // usually one or two passes; each lowers the mean by less
+constexpr int kAlphaPassesMax = 12;  // one or two passes are usual; each pass lowers the mean less than the one before
 /// Memory of the program with OpenCL and its buffers of 16 MiB, without textures, weights and their coding.
 constexpr std::uint64_t kProgramBytes = std::uint64_t{240} << 20;
 
@@ -30,7 +30,7 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
   file.commit();
 }
 
-/// Returns the error of the textures over all pixels of all frames, in 8-bit sRGB units.
+/// Returns the mean squared error of the textures over all pixels of all frames, in 8-bit sRGB units.
 std::optional<double> inferred_mse_of(const std::string& folder, const FieldSource& source) {
   const std::optional<double> sum = inference_error_sum(folder);
   if (!sum) return {};
@@ -77,10 +77,11 @@ FieldPackReport report_of(const FieldPackSettings& settings, const FieldSource& 
   return report;
 }
 
-/// Codes for the target, and limits the errors of objects by alpha.
+/// Codes the field for the target, and limits the errors of objects by alpha.
 FieldRound coded_field(const FieldTarget& target, const FieldMeasure& measure, FieldCoder& coder) {
   FieldRound round = coded_for(target, measure, kLambdaFirst, coder);
-  // The bytes that limited objects gain are taken from the others. Another object may then exceed alpha times the mean.
+  // Additional bytes for limited objects are taken from the other objects. Another object may then exceed alpha times
+  // the mean.
   for (int pass = 0; pass < kAlphaPassesMax && coder.hold(round); ++pass)
     round = coded_for(target, measure, round.lambda, coder);
   return round;

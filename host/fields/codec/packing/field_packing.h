@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Packs the textures of a parameterized animation, a folder of `multum infer`, into one file (Hakura et al. 2000,
-// section 4). Every layer of every object over every block of the parameters is a chunk. All chunks are coded with one
-// lambda, the worth of a bit. A search finds the lambda for the requested file size or error.
+// section 4). Every layer of every object over every block of the parameters is a chunk. All chunks are coded with the
+// same lambda, the error that a bit is worth. A search finds the lambda for the requested file size or error.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct FieldPackSettings {
   /// pixels (Hakura et al. 2000, section 4). 0: no limit.
   double alpha = 0.0;
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
-  std::optional<ImageCoder> coder;  // the best of all if unset
+  std::optional<ImageCoder> coder;  // unset: the best of all coders
   bool open_loop = false;
   int block = 8;                          // most samples of a chunk along a parameter
   bool stagger = false;                   // objects' blocks begin at different samples: field_blocks.h
@@ -36,35 +36,35 @@ struct FieldPackSettings {
 struct PackedChunkReport {
   std::string object, layer;
   std::size_t block = 0, bytes = 0;
-  double mse = 0.0;  // its share of the estimate
+  double mse = 0.0;  // the object's share of the estimated error
 };
 
 struct PackedObjectReport {
   std::string object;
   double pixels = 0.0;  // covered pixels in all samples
-  double mse = 0.0;     // estimated error of these pixels
-  double lambda = 0.0;  // lambda of its chunks
+  double mse = 0.0;     // estimated error over these pixels
+  double lambda = 0.0;  // lambda of the object's chunks
 };
 
 struct FieldPackReport {
-  std::uint64_t bytes = 0, description_bytes = 0, raw_bytes = 0;  // raw: of 24-bit frames
+  std::uint64_t bytes = 0, description_bytes = 0, raw_bytes = 0;  // raw_bytes: size of the 24-bit frames
   double lambda = 0.0, mse = 0.0;
-  int rounds = 0;                  // number of times that everything was coded
+  int rounds = 0;                  // how many times the whole field was coded
   std::size_t chunks_resumed = 0;  // number of chunk codings taken from a stopped packing
-  double mse_covered = 0.0;        // error of pixels that objects cover; alpha refers to it
+  double mse_covered = 0.0;        // error of the pixels that objects cover; alpha refers to this error
   bool is_alpha_met = true;
   /// The error of frames drawn with the inferred textures, compared with the ray-traced frames: over all pixels, 8-bit
   /// sRGB units. Unset: the folder has no report of `multum infer`.
   std::optional<double> inferred_mse;
-  // Coding adds more than error_limit() of inferred_mse, and the user set no error.
+  // Coding adds an error above error_limit(inferred_mse), and the user set no error limit.
   bool is_error_large = false;
   bool has_given_way = false;               // the default ratio was lowered
   std::vector<PackedObjectReport> objects;  // only objects with textures
   std::vector<PackedChunkReport> chunks;
 };
 
-/// The file appears complete, by rename. Throws Error: kUsage for a target that cannot be met, kInput for a folder that
-/// cannot be read, kEnvironment; Cancelled.
+/// Writes the complete file by a rename. Throws Error: kUsage for a target that cannot be met, kInput for a folder that
+/// cannot be read, kEnvironment; throws Cancelled.
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -14,11 +14,11 @@ namespace {
 constexpr int kRoundsMax = 12;
 constexpr double kNearEnough = 0.985;  // of the target
 constexpr double kLambdaMin = FieldCoder::kLambdaMin, kLambdaMax = FieldCoder::kLambdaMax;
-// log(bytes) and log(error) are nearly linear in log(lambda), with these slopes on a field of 64 samples.
+// log(bytes) and log(error) are nearly linear in log(lambda); a field of 64 samples has these slopes.
 constexpr double kBytesSlope = -0.56, kErrorSlope = 0.6;
-/// The estimate of the coding error is 2 to 20 % below the error in drawn frames; fewer samples give a larger
-/// difference. The estimate uses gamma 2.2, while the inferred textures' error uses sRGB units, which weigh dark pixels
-/// more: a room with a dark quarter has 19 % more error in these units. 2 * 1.2 * 1.2 < 3.
+/// The estimate of the coding error is 2 to 20 % below the error in drawn frames; the difference grows with fewer
+/// samples. The estimate uses gamma 2.2, while the inferred textures' error uses sRGB units, which give dark pixels
+/// more weight: the error of a room with a dark quarter is 19 % higher in these units. 2 * 1.2 * 1.2 < 3.
 constexpr double kEstimateShare = 2.0 / 3.0;
 /// The least error that `--mse-max` accepts. Exact textures can be packed without any error only by chance.
 constexpr double kErrorLimitMin = 1e-3;
@@ -28,7 +28,7 @@ struct SearchGoal {
   double limit = 0.0;
   bool is_error = false;
 
-  /// Returns the excess of the logarithm; above 0: not met.
+  /// Returns how far the logarithm exceeds the goal; above 0: the goal is not met.
   double excess(const FieldRound& round) const {
     const double value = is_error ? round.mse : static_cast<double>(round.file.size());
     return std::log(std::max(value, 1e-12) / limit);
@@ -36,7 +36,7 @@ struct SearchGoal {
 };
 
 struct SearchResult {
-  FieldRound round;  // the round that meets the goal best, or else comes nearest
+  FieldRound round;  // the round that meets the goal best, or else the round nearest to it
   bool is_met = false;
 };
 
@@ -84,7 +84,7 @@ FieldRound found_by_error(double mse, double lambda, FieldCoder& coder) {
   return std::move(found.round);
 }
 
-/// `ratio`: the ratio that `bytes` follow from, if any.
+/// `ratio`: the ratio from which `bytes` were computed, if any.
 FieldRound found_by_bytes(double bytes, std::optional<double> ratio, double raw_bytes, double lambda,
                           FieldCoder& coder) {
   SearchResult found = search({bytes, false}, lambda, coder);
@@ -99,8 +99,8 @@ FieldRound found_by_bytes(double bytes, std::optional<double> ratio, double raw_
                                              bytes, least, least));
 }
 
-/// Uses the default ratio, unless it leaves too much error. The limit that seems to bind is searched first, because its
-/// result mostly shows that the other search is unnecessary.
+/// Uses the default ratio, unless its error is too large. Searches first for the limit that is expected to decide,
+/// because that result usually makes the other search unnecessary.
 FieldRound found_by_default(double bytes, double mse, double lambda, FieldCoder& coder) {
   const SearchGoal size{bytes, false}, error{mse, true};
   const FieldRound first = coder.code(lambda);  // a search from this lambda reuses the round

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Searches for the lambda at which a packed field has the requested size or error. Without a request, the ratio is
-// lowered if the error would be too large: a field of few samples has too few bytes at the default ratio.
+// lowered if the error would be too large, because a field of few samples has too few bytes at the default ratio.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace multum {
 
-/// At most one of the four is set. None: a ratio of kDefaultRatio, or the error of error_limit() if the ratio would
-/// leave more error.
+/// At most one of the four members is set. If none is set, the target is a ratio of kDefaultRatio, or the error of
+/// error_limit() if that ratio gives a larger error.
 struct FieldTarget {
-  std::optional<double> ratio;   // least ratio of raw 24-bit frames' bytes to the file's bytes
-  std::optional<double> bytes;   // most bytes of the file
+  std::optional<double> ratio;   // least ratio of the size of raw 24-bit frames to the file size
+  std::optional<double> bytes;   // largest file size in bytes
   std::optional<double> mse;     // most error that coding adds to drawn frames, estimated; 8-bit units at gamma 2.2
   std::optional<double> lambda;  // squared error that a bit is worth, summed over pixels and colours
 
@@ -33,8 +33,8 @@ struct FieldMeasure {
   std::optional<double> mse_max;  // error_limit(); unset: unknown, and the ratio is not lowered
 };
 
-/// Codes for the target; `lambda`: start of the search. Throws Error(kUsage) if a requested size or error cannot be
-/// met. A default target that cannot be met gives the nearest result.
+/// Codes the field for the target. `lambda`: start of the search. Throws Error(kUsage) if a requested size or error
+/// cannot be met. If a default target cannot be met, returns the nearest result.
 FieldRound coded_for(const FieldTarget& target, const FieldMeasure& measure, double lambda, FieldCoder& coder);
 
 }  // namespace multum

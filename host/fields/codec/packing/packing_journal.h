@@ -17,8 +17,8 @@ namespace multum {
 /// Any number of threads may use it at once.
 class PackingJournal {
  public:
-  /// Opens the folder of the packing of `output`. `key` is one line that stands for everything that its chunks depend
-  /// on. Chunks with the same key are kept if `resume` is set; all others are removed. Returns null while another
+  /// Opens the folder of the packing of `output`. `key` is one line that identifies everything on which the chunks
+  /// depend. Chunks with the same key are kept if `resume` is set; all others are removed. Returns null while another
   /// process packs to the same output. Throws Error(kEnvironment).
   static std::unique_ptr<PackingJournal> open(const std::string& output, const std::string& key, bool resume);
   PackingJournal(const PackingJournal&) = delete;

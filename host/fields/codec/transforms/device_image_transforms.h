@@ -18,7 +18,7 @@ class DeviceImageTransforms : public ImageTransforms {
   /// coefficient depends on it.
   explicit DeviceImageTransforms(Device& device, std::size_t batch_bytes = kBatchBytes);
 
-  /// Several threads run one after another. Throws Error(kEnvironment).
+  /// Calls from several threads run one after another. Throws Error(kEnvironment).
   std::vector<PlaneCoefficients> coefficients(const CoefficientLayout& layout,
                                               const std::vector<std::vector<float>>& textures,
                                               const PlaneAxes& axes) override;

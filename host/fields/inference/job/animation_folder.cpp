@@ -30,8 +30,8 @@ constexpr const char* kExpected =
     "id_vVV_pPP.png";
 
 // Returns the number of samples along a parameter that share texture coordinates: all, or even blocks of at most 16.
-// Hakura et al. (sec. 4) use blocks of 8. But diffuse textures of two blocks are packed twice: with one block for its
-// 16 views, field_demo2 has 0.88 of the error at 192:1.
+// Hakura et al. (sec. 4) use blocks of 8. But diffuse textures of two blocks are packed twice. With one block for its
+// 16 views, the error of field_demo2 at 192:1 falls to 0.88 times.
 int even_block(int count) {
   constexpr int kBlockMax = 16;
   if (count <= kBlockMax) return 0;
@@ -160,7 +160,7 @@ class FolderReader {
     }
   }
 
-  // Samples of one view share a camera, unless the camera shakes.
+  // Samples of one view have the same camera, unless the camera shakes.
   int camera_of(const Json& sample, const std::string& name, int view) {
     AnimationCamera camera;
     camera.world_to_camera = matrix(member(sample, "world_to_camera", name), name + ": world_to_camera");
@@ -205,7 +205,7 @@ class FolderReader {
     }
   }
 
-  // Diffuse light does not change with the view, but with moving objects and lights.
+  // Diffuse light does not depend on the view, but on moving objects and lights.
   void read_layers() {
     const std::string& file = job_.samples.front().radiance;
     const std::vector<std::string> channels = exr_channel_names(file);

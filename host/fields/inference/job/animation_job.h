@@ -18,7 +18,7 @@ struct AnimationParameter {
   std::string name;
   int count = 1;         // samples along it
   bool is_view = false;  // moves the camera
-  int block = 0;         // neighbouring samples that share texture coordinates, if it moves anything; 0: all
+  int block = 0;         // neighbouring samples that share texture coordinates, if the parameter moves anything; 0: all
   bool operator==(const AnimationParameter&) const = default;
 };
 
@@ -26,7 +26,7 @@ struct AnimationParameter {
 /// the glossy and transmission passes.
 struct AnimationLayer {
   std::string name;
-  std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" means R G B themselves
+  std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "": the channels R G B
   // Names of parameters; one texture serves all samples along the other parameters.
   std::vector<std::string> depends_on;
   bool operator==(const AnimationLayer&) const = default;
@@ -35,7 +35,7 @@ struct AnimationLayer {
 /// Texture settings of an object. Defaults come from the job's [texture] table, or from this struct without such a
 /// table.
 struct AnimationTexture {
-  std::string wrap = "clamp";     // "clamp" or "periodic"; in a periodic direction a branch cut is tried
+  std::string wrap = "clamp";     // "clamp" or "periodic"; in periodic directions a branch cut is tried
   double stretch_max = 1.25;      // largest singular value of the texture-to-screen Jacobian, > 0
   double resolution_scale = 1.0;  // (0, 8], of each side, after the stretch limit
   bool power_of_two = false;      // rounds each side up
@@ -47,10 +47,10 @@ struct AnimationTexture {
 };
 
 struct AnimationObject {
-  std::string name;                 // names the textures' folder
+  std::string name;                 // name, also of the textures' folder
   std::string mesh;                 // object of the geometry file
-  std::string cryptomatte;          // its name in the Cryptomatte manifest; empty: index is used
-  int index = 0;                    // its number in object-index images, from 1; 0: none
+  std::string cryptomatte;          // name in the Cryptomatte manifest; empty: `index` is used
+  int index = 0;                    // number in object-index images, from 1; 0: none
   std::vector<std::string> layers;  // empty: all; layers in which the object is black are always left out
   AnimationTexture texture;
   bool operator==(const AnimationObject&) const = default;
@@ -67,11 +67,11 @@ struct AnimationSample {
   std::vector<int> at;       // index along each parameter
   std::string name;          // "v00_p03"
   std::string radiance;      // EXR with the layers' passes, resolved path
-  std::string geometry;      // EXR with depth, and Cryptomatte; may be the same file; may be empty only if
+  std::string geometry;      // EXR with depth and Cryptomatte; may be the radiance file; empty only if
                              // object_index is given
   std::string object_index;  // PNG whose grey value is the object's number; empty: Cryptomatte is used
   int camera = 0;
-  std::map<std::string, glm::dmat4> object_to_world;  // places of objects that move, by mesh name
+  std::map<std::string, glm::dmat4> object_to_world;  // transforms of moving objects, by mesh name
   bool operator==(const AnimationSample&) const = default;
 };
 
@@ -82,9 +82,9 @@ struct AnimationJob {
   int width = 0, height = 0;                 // pixels
   std::string cryptomatte = "CryptoObject";  // prefix of its channels
   std::string depth = "Z";         // channel: distance along -z of camera space at the pixel centre; empty: none
-  double depth_tolerance = 0.01;   // relative: largest deviation of depth from the geometry before cameras are refused
-  int supersampling = 4;           // 1..8: sub-pixels along each side of a pixel, in A and in rendered frames
-  double radiance_max = 1.0;       // > 0: brighter values are clipped to it and counted
+  double depth_tolerance = 0.01;   // largest relative deviation of depth from the geometry; larger ones are errors
+  int supersampling = 4;           // 1..8: sub-pixels along a pixel's side, in matrix A and in rendered frames
+  double radiance_max = 1.0;       // > 0: brighter values are clipped to this value and counted
   double coverage_min = 1.0 / 64;  // pixels with less coverage by an object are left out
   std::vector<AnimationParameter> parameters;
   std::vector<AnimationLayer> layers;

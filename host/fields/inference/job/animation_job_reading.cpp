@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a job in the order of its references: parameters, layers, objects of the geometry file, cameras, samples. Each
-// refusal can then name the line. host/fields/inference/job/animation_samples reads the samples.
+// error message can then name the line. host/fields/inference/job/animation_samples reads the samples.
 #include "host/fields/inference/job/animation_job_reading.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@
 namespace multum {
 namespace {
 
-constexpr int kSampleCountMax = 65536;  // each is a file or two
+constexpr int kSampleCountMax = 65536;  // each sample has one or two files
 // Room for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 

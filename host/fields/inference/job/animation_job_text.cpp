@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a job as TOML for people to edit. Every key is written, with its meaning at its first use. Numbers have the
+// Writes a job as TOML that users can edit. Every key is written, with its meaning at its first use. Numbers have the
 // fewest digits that give the same number.
 #include <filesystem>
 
@@ -60,7 +60,7 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       "height = {}\n"
       "cryptomatte = {}  # prefix of the Cryptomatte channels\n"
       "depth = {}  # channel with the distance along -z of camera space at the pixel centre; empty: no depth\n"
-      "depth_tolerance = {}  # largest relative difference of depths; other cameras are refused\n"
+      "depth_tolerance = {}  # largest relative difference of depths; a camera with a larger one is an error\n"
       "supersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\n"
       "radiance_max = {}  # brighter values are clipped to this value and counted\n"
       "coverage_min = {}  # pixels with less coverage by an object are left out\n",

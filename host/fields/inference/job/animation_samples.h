@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the [[sample]] tables of a job in the order of the parameter grid. Also has helpers of all job readers.
+// Reads the [[sample]] tables of a job in the order of the parameter grid. Also contains helper functions for all job
+// readers.
 #pragma once
 
 #include <string>
@@ -17,7 +18,7 @@ std::vector<std::string> names_of(const std::vector<Item>& items) {
   return names;
 }
 
-/// Throws Error(kInput) with the known names, unless `name`, the value of `key`, is one of them.
+/// Throws Error(kInput), which lists the known names, unless `name`, the value of `key`, is one of them.
 void check_known(const StrictTable& table, const std::string& key, const std::string& name,
                  const std::vector<std::string>& known, const std::string& what);
 

@@ -18,12 +18,12 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPixelsMax = 512;  // a share of 10 % is then known to within 1.3 %
-constexpr double kOffShareMax = 0.1;     // allows for silhouettes and for geometry that is missing in the file
+constexpr std::size_t kPixelsMax = 512;  // with this number, a share of 10 % is known to within 1.3 %
+constexpr double kOffShareMax = 0.1;     // tolerates silhouettes, and geometry that is missing in the file
 
 struct Triangle {
   glm::dvec3 a, b, c;
-  glm::dvec3 centre;  // centre of its bounding sphere
+  glm::dvec3 centre;  // centre of the bounding sphere
   double radius;
 };
 
@@ -50,7 +50,8 @@ double segment_distance(const glm::dvec3& p, const glm::dvec3& a, const glm::dve
   return glm::distance(p, a + t * (b - a));
 }
 
-// Returns the distance to the plane if the foot of the perpendicular is inside, else to the nearest side.
+// Returns the distance to the plane if the foot of the perpendicular is inside the triangle, otherwise to the nearest
+// side.
 double triangle_distance(const glm::dvec3& p, const Triangle& t) {
   const glm::dvec3 n = glm::cross(t.b - t.a, t.c - t.a);
   const bool is_inside = glm::dot(glm::cross(t.b - t.a, p - t.a), n) >= 0.0 &&

@@ -13,10 +13,10 @@ struct CameraCheck {
   int tested = 0;                // pixels, at most 512
   int off = 0;                   // tested pixels whose distance to the objects exceeds the tolerance
   double distance_median = 0.0;  // median of the tested pixels, world units
-  int nan_depths = 0;            // NaN depths of all pixels; left out
+  int nan_depths = 0;            // number of NaN depths in all pixels; such pixels are left out
 };
 
-/// `depth`: the sample's depth channel, width * height, row 0 at the top. Values are left out unless they are finite,
+/// `depth`: the sample's depth channel, width * height, row 0 at the top. Values are ignored unless they are finite,
 /// above 0 and below the depth of the far plane. `coverage`: share of each pixel that the objects cover; partly covered
 /// pixels are left out; empty: all pixels count. `objects`: of the geometry file, with moving objects placed by the
 /// sample. Throws Error(kInput) naming sample and camera if more than a tenth of the tested pixels miss the objects by

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips convex polygons in homogeneous clip space, before the division by w (Sutherland and Hodgman 1974). Points
-// behind the near plane have no place on the screen. All attributes are linear in clip space, with and without
+// Clips convex polygons in homogeneous clip space, before the division by w (Sutherland and Hodgman 1974), because
+// points behind the near plane have no place on the screen. All attributes are linear in clip space, with and without
 // perspective.
 #pragma once
 
@@ -20,7 +20,7 @@ struct ClipVertex {
   double depth = 0.0;  // along -z of camera space
 };
 
-/// Each plane adds at most one vertex: room for a triangle and the six planes below.
+/// A polygon with room for a triangle that is clipped by the six planes below; each plane adds at most one vertex.
 struct ClipPolygon {
   std::array<ClipVertex, 9> vertices;
   std::size_t count = 0;
@@ -31,7 +31,8 @@ using ClipPlane = glm::dvec4;
 
 /// The near plane of OpenGL: z >= -w.
 inline constexpr ClipPlane kNearPlane{0.0, 0.0, 1.0, 1.0};
-/// Clipped before z >= -w, so that a matrix whose near plane is at or behind the eye cannot let w <= 0 pass.
+/// Least w. This limit is applied before z >= -w, because a matrix whose near plane is at or behind the eye could let w
+/// <= 0 pass.
 inline constexpr double kWMin = 1e-9;
 
 /// Returns the planes for x_low <= x / w <= x_high and y_low <= y / w <= y_high.
@@ -42,8 +43,8 @@ inline std::array<ClipPlane, 4> box_planes(glm::dvec2 low, glm::dvec2 high) {
 
 namespace clip_detail {
 
-// Always interpolates from the inside vertex to the outside vertex. Two triangles that share an edge then get the same
-// bits for the new vertex, without a crack.
+// Always interpolates from the inside vertex to the outside vertex. Two triangles that share an edge then get exactly
+// the same new vertex, without a crack.
 inline ClipVertex crossing(const ClipVertex& inside, const ClipVertex& outside, double d_inside, double d_outside) {
   const double t = d_inside / (d_inside - d_outside);
   return {inside.position + t * (outside.position - inside.position), inside.uv + t * (outside.uv - inside.uv),

@@ -18,7 +18,7 @@ namespace multum {
 struct ForwardView {
   glm::dmat4 object_to_clip;
   const ItemBuffer* items;
-  int object;  // its number in the item buffer
+  int object;  // the object's number in the item buffer
   const ObjectLayer* layer;
 };
 

@@ -43,9 +43,9 @@ class Objective {
   bool is_diagonal_;
 };
 
-// Returns a point on the ray where the slope has fallen to a tenth. The step is doubled until it passes the minimum.
-// The secant between both sides follows, at least a tenth away from either side. f is infinite where an edge vanishes,
-// so a minimum is always passed.
+// Returns a point on the ray where the slope has fallen to a tenth. Doubles the step until it passes the minimum. Then
+// uses the secant between both sides, at least a tenth away from either side. f is infinite where an edge vanishes, so
+// a minimum is always passed.
 Point line_minimum(const Objective& objective, const Point& start, const glm::dmat2& direction, double* step) {
   constexpr int kTries = 40;
   const double slope_start = dot(start.gradient, direction);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the linear map of texture coordinates that is closest to an isometry with the screen (Hakura et al. 2000,
-// section 3.4, eq. 7): each edge of a visible triangle should be as long in texels as in pixels.
+// section 3.4, eq. 7): each edge of a visible triangle should have the same length in texels and in pixels.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,16 @@
 
 namespace multum {
 
-/// An edge in one view. Triangles that share an edge may each add it with their own area. The terms of the sum are
-/// equal, so the weights add up to W_i of the paper.
+/// An edge in one view. Triangles that share an edge may each add the edge with their own area: the terms of the sum
+/// are equal, so the weights add up to W_i of the paper.
 struct IsometricEdge {
-  glm::dvec2 uv;  // vector from one end to the other
+  glm::dvec2 uv;  // vector between the ends
   double length;  // s_i, pixels, > 0
   double weight;  // W_i, square pixels
 };
 
-/// Returns f of eq. 7, and its derivative by each element of `map` if `gradient` is not null. The result is infinite if
-/// the map shrinks an edge to a point.
+/// Returns f of eq. 7, and its derivatives with respect to the elements of `map` if `gradient` is not null. The result
+/// is infinite if the map shrinks an edge to a point.
 double isometric_cost(const std::vector<IsometricEdge>& edges, const glm::dmat2& map, glm::dmat2* gradient);
 
 struct IsometricSettings {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds corners to 2^-14 of a pixel and tests edges exactly in whole numbers. Around a corner no pixel is missed or
-// drawn twice, which rounded edge functions cannot guarantee. The rounding moves a silhouette by less than a
+// drawn twice; rounded edge functions could not guarantee this. The rounding moves a silhouette by less than a
 // ten-thousandth of a pixel. Depth is interpolated in double precision.
 #include "host/fields/inference/mapping/item_buffer.h"
 
@@ -27,8 +27,8 @@ struct ScreenVertex {
 };
 
 struct Edge {
-  std::int64_t step_x, step_y, value;  // value at the centre of the first pixel; steps of a whole pixel
-  std::int64_t bias;                   // -1 if a pixel on the edge belongs to the triangle on the other side
+  std::int64_t step_x, step_y, value;  // steps per pixel, and the value at the centre of the first pixel
+  std::int64_t bias;                   // -1 if pixels on the edge belong to the other triangle
 };
 
 // Computes twice the signed area of (a, b, p), which is positive inside if the triangle is clockwise on the screen (y
@@ -75,7 +75,8 @@ PixelBounds pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& it
 }
 
 // `share`: one per corner, not negative, with a positive sum. z/w and 1/w are linear on the screen, also for an
-// orthographic projection. Their quotient is a mean of the corners' depths and stays in the range of these depths.
+// orthographic projection. Their quotient is a weighted mean of the corners' depths, so it stays in the range of these
+// depths.
 void draw_pixel(const std::array<ScreenVertex, 3>& v, const std::array<std::int64_t, 3>& share, Item item,
                 std::size_t pixel, DepthBuffer* buffer) {
   double over_w = 0.0, depth = 0.0;
@@ -99,7 +100,7 @@ void draw_triangle(std::array<ScreenVertex, 3> v, Item item, DepthBuffer* buffer
   if (box.x_begin >= box.x_end || box.y_begin >= box.y_end) return;
   const std::int64_t x_first = box.x_begin * kUnitsPerPixel + kUnitsPerPixel / 2;
   const std::int64_t y_first = box.y_begin * kUnitsPerPixel + kUnitsPerPixel / 2;
-  // Edge i is opposite corner i: its value is the corner's share of the area.
+  // Edge i is opposite corner i, so its value is the corner's share of the area.
   std::array<Edge, 3> edges = {make_edge(v[1], v[2], x_first, y_first), make_edge(v[2], v[0], x_first, y_first),
                                make_edge(v[0], v[1], x_first, y_first)};
   for (int y = box.y_begin; y < box.y_end; ++y) {

@@ -36,8 +36,8 @@ std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
   return kernels;
 }
 
-/// The picture with the background as the last object. Tables tell in constant time whether a window of pixels has a
-/// wholly covered one.
+/// The picture with the background as the last object. Tables show in constant time whether a window contains a wholly
+/// covered pixel.
 class Segmentation {
  public:
   Segmentation(const SegmentationInput& input, const SegmentationSettings& settings);
@@ -53,7 +53,7 @@ class Segmentation {
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
-  // Limits coverage to 0..1. NaN counts as 0, because only the coverage is wrong, not the picture.
+  // Limits coverage to 0..1. A NaN counts as 0, because only the coverage is wrong, not the picture.
   double coverage(std::size_t object, std::size_t pixel) const {
     const float c = object < input_.coverages.size() ? input_.coverages[object][pixel] : background_[pixel];
     return c > 0.0f ? std::min(1.0, static_cast<double>(c)) : 0.0;
@@ -205,7 +205,7 @@ bool Segmentation::repair(const ObjectLayer& layer, std::size_t object, int x, i
   return true;
 }
 
-// Reads only valid pixels and writes only the others, so the order of pixels does not matter.
+// Reads only valid pixels and writes only invalid ones, so the order of pixels does not matter.
 void Segmentation::repair_object(std::size_t object, ObjectLayer* layer, SegmentationReport* report) const {
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x) {
@@ -274,7 +274,7 @@ void SegmentationReport::add(const SegmentationReport& other) {
 
 bool has_radiance(const ObjectLayer& layer, double radiance_max) {
   constexpr double kShare = 1.0 / 4096;
-  // Silhouettes may include a little of their surroundings. They count only if there is nothing else.
+  // Silhouette pixels may include some of the surroundings, so they count only if there are no other pixels.
   for (const float coverage_min : {kWholeCoverage, 0.0f}) {
     double sum = 0.0;
     std::size_t count = 0;

@@ -11,17 +11,18 @@
 
 namespace multum {
 
-/// Pixels with at least this share count as wholly covered: shares of renderers and OpenGL are sums of many terms, and
+/// Pixels with at least this share count as wholly covered: shares from renderers and OpenGL are sums of many terms,
+/// and
 /// end slightly below 1.
 constexpr float kWholeCoverage = 0.999f;
 
 struct SegmentationSettings {
   double sigma = 1.0;       // pixels, > 0, of the Gaussian; its radius is 3 sigma
-  double sigma_max = 16.0;  // pixels: sigma doubles up to this while no wholly covered pixel is in reach
+  double sigma_max = 16.0;  // pixels: sigma is doubled up to this value until a wholly covered pixel is in reach
   double coverage_whole = static_cast<double>(kWholeCoverage);  // (0.5, 1]
-  double coverage_min = 1.0 / 64;  // [0, 1): pixels with less coverage are absent from the object's layer
+  double coverage_min = 1.0 / 64;  // [0, 1): pixels with less coverage are left out of the object's layer
   double radiance_max = 1.0;       // > 0
-  double radiance_min = -1e-3;     // <= 0: lower values are errors; values up to 0 are ringing of the renderer's filter
+  double radiance_min = -1e-3;     // <= 0: lower values are errors; higher negative values are the renderer's ringing
   int threads = 0;                 // <= 0: as many as the machine has
 };
 
@@ -31,7 +32,7 @@ struct SegmentationInput {
   std::vector<std::span<const float>> coverages;  // coverage by each object, 0..1 per pixel
 };
 
-/// Pixels count per object's layer: a pixel that two objects share counts twice. Values are of single channels.
+/// Pixels count per object's layer: a pixel that two objects share counts twice. Values count per channel.
 struct SegmentationReport {
   std::size_t not_finite_pixels = 0;  // NaN or infinite in some channel
   std::size_t negative_pixels = 0;    // finite, and below radiance_min in some channel
@@ -40,13 +41,13 @@ struct SegmentationReport {
   std::size_t mixed_pixels = 0;       // pixels split between objects
   std::size_t unguided_pixels = 0;    // mixed pixels without a wholly covered pixel of the object in reach
   std::size_t clamped_values = 0;     // negative after splitting, set to 0
-  std::size_t clipped_values = 0;     // values above radiance_max, set to it
+  std::size_t clipped_values = 0;     // values above radiance_max, set to radiance_max
 
   void add(const SegmentationReport& other);
 };
 
 struct ObjectLayer {
-  std::vector<float> coverage;  // 0 where the layer has no value
+  std::vector<float> coverage;  // 0 for pixels without a value in the layer
   std::vector<float> rgb;       // 3 per pixel, 0..radiance_max
 };
 
@@ -56,7 +57,7 @@ std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const Seg
 
 /// Returns whether the object is in the layer at all: the root mean square over its wholly covered pixels is above
 /// 1/4096 of radiance_max, a step of 12 bits. A small highlight is far above this threshold. Artefacts of lossy
-/// compression in black areas are far below.
+/// compression in black areas are far below it.
 bool has_radiance(const ObjectLayer& layer, double radiance_max);
 
 }  // namespace multum

@@ -13,7 +13,7 @@ struct MappingView {
   glm::dmat4 object_to_camera;
   glm::dmat4 projection;
   const ItemBuffer* items;
-  int object;  // its number in the item buffer
+  int object;  // the object's number in the item buffer
 };
 
 }  // namespace multum

@@ -46,8 +46,8 @@ void count_up(const std::vector<ParameterRange>& ranges, const std::vector<std::
   }
 }
 
-// Visits the same points so that each is a neighbour of the previous one. A dimension runs backwards if the steps of
-// the dimensions above it have an odd sum.
+// Visits the same points in an order in which each point is a neighbour of the previous one. A dimension runs backwards
+// if the steps of the dimensions above it have an odd sum.
 void plough(const std::vector<ParameterRange>& ranges, const std::vector<std::size_t>& dimensions, int number,
             std::vector<int>& at) {
   count_up(ranges, dimensions, number, at);

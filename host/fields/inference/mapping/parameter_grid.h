@@ -15,7 +15,7 @@ namespace multum {
 
 /// A camera and the places of objects in one block. Samples of a pose share their filter matrices under any light.
 struct AnimationPose {
-  std::string name;  // name of its first sample
+  std::string name;  // name of the pose's first sample
   int camera = 0;
   int block = 0;
   std::map<std::string, glm::dmat4> object_to_world;
@@ -40,7 +40,7 @@ class ParameterGrid {
   explicit ParameterGrid(const AnimationJob& job);
 
   /// Returns the number of blocks of neighbouring samples, AnimationParameter::block along each parameter. Only
-  /// parameters that move the camera or an object divide blocks; others do not change places.
+  /// parameters that move the camera or an object divide the grid into blocks.
   int block_count() const { return block_count_; }
   /// Returns "view00-07", or "all" if there is one block.
   std::string block_name(int block) const;
@@ -62,7 +62,7 @@ class ParameterGrid {
   int sample_at(const std::vector<int>& at) const;
 
   std::vector<AnimationParameter> parameters_;
-  std::vector<int> block_sizes_;  // along each parameter; its count if it has no blocks
+  std::vector<int> block_sizes_;  // block size along each parameter; its count if it has no blocks
   std::vector<int> block_counts_;
   int block_count_ = 1;
   std::vector<int> block_of_sample_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Follows the steps of section 3.4 in the paper's order. Departures:
-// - Extents of step 1 are of whole triangles in the item buffers: a cut through a triangle's hidden part would tear it.
-//   A direction whose coordinates fill one period without a gap is periodic only if the surface joins there.
+// - Step 1 uses the extents of whole triangles in the item buffers, because a cut through a triangle's hidden part
+//   would tear the triangle. A direction whose coordinates fill one period without a gap is periodic only if the
+//   surface joins there.
 // - If the largest singular value is below the threshold after step 2, the map is made smaller until it reaches the
 //   threshold: the paper asks for as few samples as possible. Steps 3 and 4 only make the map larger.
 // - Step 5 includes visible parts instead of whole triangles: most of a large wall may be hidden.
@@ -85,8 +86,9 @@ std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
   return middle;
 }
 
-// Returns whether visible triangles meet across the seam: vertices in one place, whose coordinates differ by whole
-// periods in `direction` and are equal in the other direction. Places are compared to a millionth of the object's size.
+// Returns whether visible triangles meet across the seam: whether there are vertices in one place whose coordinates
+// differ by whole periods in `direction` and are equal in the other direction. Places are compared with a tolerance of
+// a millionth of the object's size.
 bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   struct Corner {
     glm::dvec3 place;
@@ -180,9 +182,9 @@ struct Stretch {
   std::size_t degenerate_pixels = 0;
 };
 
-// With B = d(texel)/d(pixel), the largest singular value of B^-1 is one over the smallest of B. Its direction in texels
-// is the left singular vector of B: the eigenvector of B B^T. The smallest singular value is |det B| over the largest,
-// which avoids cancellation.
+// With B = d(texel)/d(pixel), the largest singular value of B^-1 is the reciprocal of the smallest singular value of B.
+// Its direction in texels is the left singular vector of B: the eigenvector of B B^T. The smallest singular value is
+// computed as |det B| divided by the largest one, which avoids cancellation.
 Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
   Stretch stretch;
   double squared = 0.0;
@@ -266,8 +268,8 @@ Rectangle bounds(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
 }
 
 // Step 5: finds the bounding rectangle of least area over discrete directions: half a degree apart, then finer around
-// the best. The texel for margins is included, so that thin objects are not turned needlessly; a turn must lower the
-// area.
+// the best. The area includes the texel for margins, so that thin objects are not turned needlessly; a turn must lower
+// the area.
 glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   constexpr int kDirections = 180, kRefinements = 4;
   constexpr double kGainMin = 1e-6;  // of the area
@@ -297,7 +299,7 @@ glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::
 
 // Step 6: returns the texels along one side: whole, a power of two if requested, and at most side_max.
 int side_length(double texels, const AnimationTexture& texture) {
-  constexpr double kRounding = 1e-6;  // rounding of texels: 64.0000001 texels are 64
+  constexpr double kRounding = 1e-6;  // rounding tolerance: 64.0000001 texels are 64 texels
   const int wanted = static_cast<int>(std::ceil(std::clamp(texels - kRounding, 1.0, double{1 << 20})));
   if (!texture.power_of_two) return std::min(wanted, texture.side_max);
   int side = 1;
@@ -306,7 +308,8 @@ int side_length(double texels, const AnimationTexture& texture) {
 }
 
 // Step 6: maps texels to 0..1. A clamped direction keeps half a texel free at both ends, so that bilinear filtering
-// reads nothing beyond. Rounding up makes the texels smaller. A periodic direction spans exactly one period.
+// reads no texels beyond the border. Rounding up makes the texels smaller. A periodic direction spans exactly one
+// period.
 void set_resolution(const std::vector<glm::dvec2>& hull, const glm::dmat2& map, const AnimationTexture& texture,
                     TextureMapping* mapping) {
   const Rectangle box = bounds(hull, map);

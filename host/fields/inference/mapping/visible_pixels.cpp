@@ -37,7 +37,7 @@ glm::dvec2 to_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   return glm::dvec2(p) / p.z;
 }
 
-// Texture coordinates are floats. An area that the rounding of a line could cause counts as zero.
+// Texture coordinates are floats, so an area that rounding errors of a line could cause counts as zero.
 bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   constexpr double kRounding = 0x1.0p-22;  // four times half a unit in the last place
   double side = 0.0, size = 0.0;
@@ -48,8 +48,8 @@ bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   return std::abs(cross(corners[1].uv - corners[0].uv, corners[2].uv - corners[0].uv)) <= kRounding * size * side;
 }
 
-// The columns of `at` are the screen corners times w; the columns of `value` are the wanted results times w (`at` has
-// the corners' own w). value * at^-1 is linear before the division, like perspective (Heckbert 1989).
+// The columns of `at` are the screen corners times w, and the columns of `value` are the required results times w (`at`
+// contains the corners' w). `value * at^-1` is linear before the division, as perspective is (Heckbert 1989).
 VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle) {
   const auto corners = triangle_corners(mesh, view, triangle);
   glm::dmat3 at, value;
@@ -60,7 +60,7 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
     value[i] = glm::dvec3(corner.uv - corners[0].uv, 1.0);
     scale *= glm::length(at[i]);
   }
-  constexpr double kEdgeOn = 1e-13;  // share of the corners' product: below it the area is only rounding error
+  constexpr double kEdgeOn = 1e-13;  // share of the corners' product; smaller areas are only rounding errors
   const bool is_degenerate = is_line_in_texture(corners) || !(std::abs(glm::determinant(at)) > kEdgeOn * scale);
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }
@@ -162,7 +162,7 @@ std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points) {
 
 std::vector<glm::dvec2> visible_hull(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                                      const std::function<glm::dvec2(std::uint32_t triangle)>& shift) {
-  constexpr std::size_t kPointsHeld = 1 << 16;  // a megabyte; then points are thinned to their hull
+  constexpr std::size_t kPointsHeld = 1 << 16;  // one megabyte; more points are reduced to their hull
   std::vector<glm::dvec2> points;
   for (const PixelRun& run : pixels.runs) {
     const std::uint32_t triangle = pixels.triangles[run.item].triangle;

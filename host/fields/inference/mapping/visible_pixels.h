@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the visible pixels of one object in one picture, and how its texture coordinates change across each pixel. The
-// steps of texture mapping use these (Hakura et al. 2000, section 3.4).
+// steps of texture mapping use both (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstddef>
@@ -41,7 +41,8 @@ struct VisiblePixels {
 
 VisiblePixels find_visible_pixels(const ObjectMesh& mesh, const MappingView& view);
 
-/// Returns d(u, v) / d(x, y) at a point of the screen, columns by x and y; nullopt if it does not exist.
+/// Returns d(u, v) / d(x, y) at a point of the screen; its columns are the derivatives by x and by y. nullopt if the
+/// Jacobian does not exist.
 std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec2 screen);
 
 /// Appends edges of the visible triangles for eq. 7, after clipping with the viewing frustum. A clipped triangle gives

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-constexpr std::uint64_t kUnitsAMatrix = 4;  // progress units; as long as about four solutions
+constexpr std::uint64_t kUnitsAMatrix = 4;  // progress units: measuring a matrix takes about as long as four solutions
 
 }  // namespace
 
@@ -79,7 +79,7 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
 
 void AnimationProbe::run(Progress* progress) {
   make_folder(settings_.folder);
-  WorkFolder::sweep(settings_.folder);  // needed if all matrices exist already
+  WorkFolder::sweep(settings_.folder);  // runs even if all matrices exist already
   for (std::size_t p = 0; p < field_.poses().size(); ++p) {
     const int pose = static_cast<int>(p);
     progress_stage(progress, fmt::format("probe {} of {}", p + 1, field_.poses().size()));
@@ -95,7 +95,7 @@ void AnimationProbe::run(Progress* progress) {
 bool AnimationProbe::is_there(int pose, std::size_t object) const {
   if (filter_matrix_key(path(pose, object)) != key(pose, object)) return false;
   try {
-    matrix(pose, object);  // checks that the matrix is complete
+    matrix(pose, object);  // throws unless the matrix is complete
     return true;
   } catch (const Error& damage) {
     log_named_warning(fmt::format("{}; it is measured again", damage.what()));
@@ -118,7 +118,7 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, 
     request.tasks.push_back({field_.job().objects[k].mesh, mapping_at(pose, k), static_cast<float>(anisotropy(k)),
                              settings_.has_mips, path(pose, k), key(pose, k)});
   }
-  // A private folder, since another process may measure the same pose. It is always removed at the end.
+  // A private folder, because another process may measure the same pose. The folder is always removed at the end.
   const std::unique_ptr<WorkFolder> work = WorkFolder::make(settings_.folder);
   const std::string file = work->path() + "/request.probe.json";
   write_probe_request(request, file);

@@ -29,8 +29,8 @@ class AnimationProbe {
  public:
   AnimationProbe(const ParameterizedScene& field, ObjectMappings mappings, ProbeSettings settings);
 
-  /// Measures the missing matrices. Throws Error(kEnvironment) with the program's output if it cannot be started or
-  /// crashes.
+  /// Measures the missing matrices. Throws Error(kEnvironment) with the program's output if the program cannot be
+  /// started or crashes.
   void run(Progress* progress);
   /// Returns the matrix of one pose; `object` is an index into the job's objects.
   FilterMatrix matrix(int pose, std::size_t object) const;

@@ -34,8 +34,8 @@ std::vector<PointCounts> points_of_blocks(const ParameterizedScene& field, const
   return counts;
 }
 
-// Returns the number of fitted pixels plus solved texels. Whole numbers make every machine divide alike. The mapping's
-// visible pixels count each pose once.
+// Returns the number of fitted pixels plus solved texels. The result is a whole number, so that every machine divides
+// the work in the same way. The mapping's visible pixels count each pose only once.
 std::uint64_t weight(const TextureMapping& mapping, const PointCounts& counts, std::uint64_t poses) {
   const auto side = [](int texels) { return static_cast<std::uint64_t>(std::max(texels, 1)); };
   return mapping.visible_pixels * counts.samples / std::max<std::uint64_t>(poses, 1) +
@@ -97,7 +97,7 @@ std::vector<std::vector<InferencePiece>> divide_pieces(const ParameterizedScene&
   std::vector<std::uint64_t> poses(static_cast<std::size_t>(field.grid().block_count()));
   for (const AnimationPose& pose : field.poses()) ++poses[static_cast<std::size_t>(pose.block)];
   const std::vector<InferencePiece> all = inference_pieces(field, mappings);
-  std::vector<std::uint64_t> ends;  // end of each piece: the sum of weights up to it
+  std::vector<std::uint64_t> ends;  // end of each piece: the sum of the weights up to and including the piece
   for (const InferencePiece& piece : all) {
     const auto block = static_cast<std::size_t>(piece.block);
     ends.push_back((ends.empty() ? 0 : ends.back()) +

@@ -24,8 +24,8 @@ struct InferencePiece {
   auto operator<=>(const InferencePiece&) const = default;
 };
 
-/// Returns the pieces of visible objects, block by block, with the layers of an object together: neighbours share
-/// filter matrices.
+/// Returns the pieces of visible objects, block by block. The layers of an object are neighbours, because they use the
+/// same filter matrices.
 std::vector<InferencePiece> inference_pieces(const ParameterizedScene& field, const ObjectMappings& mappings);
 
 /// Divides the pieces into `count` shares of neighbours that take about the same time. If there are more shares than

@@ -86,7 +86,7 @@ class InferencePipeline {
     const std::vector<ParameterPoint> points = field_.grid().points(layer);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const ParameterPoint& point = points[i];
-      if (point.block != block) starts_.clear();  // textures of another block have other coordinates
+      if (point.block != block) starts_.clear();  // textures of different blocks have different coordinates
       block = point.block;
       if (!has_any(l, block)) continue;
       progress_stage(progress_, fmt::format("infer {} {}", layer.name, point.name));
@@ -164,7 +164,7 @@ class InferencePipeline {
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
     for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
-    // Reuses the system if the same pixels count.
+    // Reuses the system if the same pixels have weight.
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
       for (std::size_t i = 0; i < point.samples.size() && is_same; ++i)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs `multum infer`: from a job to textures (Hakura et al. 2000, section 3). Each object gets texture coordinates and
 // filter matrices. Each of its layers gets one texture for each point of the parameters that the layer depends on. The
-// texture is inferred from all samples of the point together (eq. 4). An object without a layer gets no textures.
+// texture is inferred from all samples of the point together (eq. 4). If an object is in no layer, it gets no textures.
 //
 // Each point is a neighbour of the point solved before, whose texture is the start. Textures are written as soon as
 // they are solved. An existing texture with the same inputs and settings is reused, so a stopped run can resume.
@@ -47,7 +47,7 @@ struct TextureResult {
   std::vector<int> samples;            // of the job
   std::vector<double> squared_errors;  // mean of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
-  std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not requested
+  std::vector<double> forward_squared_errors;  // errors of forward mapping; empty if not requested
   std::vector<bool> is_held_out;               // not used for solving
   std::string file;                            // relative to the output folder; empty: the layer is black
   bool was_there = false;
@@ -61,7 +61,7 @@ struct StageSeconds {
          rendering = 0.0;
 };
 
-/// Findings from the segmentation of the pictures of one point of a layer, for all objects together.
+/// Results of the segmentation of the pictures of one point of a layer, for all objects together.
 struct PointReport {
   std::size_t layer = 0, point = 0;
   SegmentationReport segmentation;

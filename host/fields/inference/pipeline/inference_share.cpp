@@ -41,7 +41,7 @@ using PointName = std::tuple<std::size_t, std::size_t, std::size_t>;  // layer, 
 struct ShareWork {
   std::vector<InferencePiece> pieces;
   std::map<PointName, ParameterPoint> textures;
-  std::set<int> samples;  // whose pictures are read
+  std::set<int> samples;  // the samples whose pictures are read
 };
 
 std::vector<ShareWork> divide_work(const ParameterizedScene& field, const ObjectMappings& mappings, int count) {
@@ -160,7 +160,7 @@ TextureResult texture_from(const Json& json, const PointName& name, const Parame
 struct CheckedShare {
   AnimationInferResult result;
   std::set<std::string> damaged;  // paths
-  std::string why;                // fault of the first texture; empty: all are intact
+  std::string why;                // fault of the first damaged texture; empty: all are intact
 };
 
 class RecordReader {

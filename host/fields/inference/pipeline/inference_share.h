@@ -22,8 +22,8 @@ struct InferenceShareResult {
 InferenceShareResult infer_share(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                  const InferenceShare& share, Progress* progress);
 
-/// Gives the result of infer_animation(). Throws Error(kEnvironment) naming every share whose record or textures are
-/// missing, damaged or of other inputs, with the option that makes the share again.
+/// Returns the same result as infer_animation(). Throws Error(kEnvironment) naming every share whose record or textures
+/// are missing, damaged or made from other inputs, with the option that makes the share again.
 AnimationInferResult merge_inference(const ParameterizedScene& field, const AnimationInferSettings& settings, int count,
                                      Progress* progress);
 

@@ -72,7 +72,7 @@ std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sampl
     }
     divide(picture, job.radiance_max);
   }
-  for (float& value : picture) value = std::clamp(value, 0.0f, 1.0f);  // leaves NaN, which the comparison counts
+  for (float& value : picture) value = std::clamp(value, 0.0f, 1.0f);  // keeps NaN, which the comparison counts
   return picture;
 }
 
@@ -123,7 +123,7 @@ InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettin
   const AnimationJob& job = field.job();
   InferenceFrames result;
   make_folder(settings.output + "/frames");
-  progress_start(progress, 2 * samples.size());  // each frame is drawn and compared
+  progress_start(progress, 2 * samples.size());  // two units per frame: it is drawn and compared
   for (std::size_t begin = 0; begin < samples.size(); begin += kSamplesAChild) {
     const std::size_t end = std::min(samples.size(), begin + kSamplesAChild);
     const std::vector<int> some(samples.begin() + static_cast<std::ptrdiff_t>(begin),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares frames that multum-view draws with inferred textures with the ray-traced pictures (Hakura et al. 2000,
-// section 3.3). A texture's own error is of one layer and the pixels used for solving. A frame's error includes all
-// layers, silhouettes, and occlusion between objects.
+// section 3.3). A texture's own error includes only one layer and the pixels used for solving. A frame's error includes
+// all layers, silhouettes, and occlusion between objects.
 #pragma once
 
 #include <string>
@@ -31,8 +31,8 @@ struct FrameErrors {
   int sample = 0;    // of the job
   std::string file;  // relative to the output folder
   double squared_error = 0.0, pixel_count = 0.0;
-  double uncovered_pixels = 0.0;                                   // left out: alpha below kWholeCoverage
-  double not_finite_pixels = 0.0;                                  // left out: NaN or infinite in either picture
+  double uncovered_pixels = 0.0;                                   // pixels left out: alpha below kWholeCoverage
+  double not_finite_pixels = 0.0;                                  // pixels left out: NaN or infinite in either picture
   std::vector<double> object_squared_errors, object_pixel_counts;  // one per object of the job, where it covers
                                                                    // pixels wholly in the ray-traced picture
 };

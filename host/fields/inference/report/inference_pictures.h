@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000: each object ray-traced,
-// drawn with its inferred textures, and the error times 20; the whole frame likewise; and the textures. Departure: the
-// paper's errors are inverted, with white for no error. Here black means no error, because the error has a colour.
+// drawn with its inferred textures, and the error times 20; the same pictures of the whole frame; and the textures.
+// Departure: the paper's errors are inverted, with white for no error. Here black means no error, because the error has
+// a colour.
 #pragma once
 
 #include <string>
@@ -19,7 +20,7 @@ struct ReportPicture {
 
 struct PictureRow {
   ReportPicture ray_traced, rendered, error;
-  double squared_error = 0.0;  // error of the shown pixels
+  double squared_error = 0.0;  // squared error of the shown pixels
 };
 
 struct ReportPictures {

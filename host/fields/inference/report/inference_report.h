@@ -22,15 +22,15 @@ struct InferenceReport {
   const InferenceComparison* comparison = nullptr;  // null: not made
 };
 
-/// One layer of an object, over all its textures. Mean squared errors are of all pixels of all samples, in 8-bit sRGB
+/// One layer of an object, over all its textures. Mean squared errors are over all pixels of all samples, in 8-bit sRGB
 /// units; negative if there are no pixels.
 struct LayerSummary {
   std::size_t object = 0, layer = 0;
   int textures = 0;
-  int textures_there = 0;  // reused textures among these; their iterations are unknown
+  int textures_there = 0;  // number of reused textures, whose iterations are unknown
   double squared_error = -1.0, pixel_count = 0.0;
   double forward_squared_error = -1.0;
-  double held_out_squared_error = -1.0, held_out_pixel_count = 0.0;  // forward mapping holds out nothing
+  double held_out_squared_error = -1.0, held_out_pixel_count = 0.0;  // forward mapping has no held-out samples
   // Worst error of a sample that was used for solving.
   double worst_squared_error = -1.0;
   int worst_sample = -1;

@@ -10,7 +10,7 @@
 namespace multum {
 
 enum class InferenceForm {
-  kAuto,    // chosen by the number of entries, as measured (texture_system.cpp)
+  kAuto,    // chosen by the number of entries (texture_system.cpp)
   kMatrix,  // products with A and its transpose, eq. (2)
   kNormal,  // products with A^T A, eq. (3)
 };

@@ -16,7 +16,7 @@ struct PyramidTables {
   std::vector<MultumGather> gathers;
   std::vector<MultumGatherEntry> entries;
   std::vector<MultumStrip> strips;
-  std::vector<float> diagonal;  // of R^T R, one per texel
+  std::vector<float> diagonal;  // diagonal of R^T R, one value per texel
 };
 
 /// `strip_length`: texels per work-item, at least 1.

@@ -15,8 +15,8 @@ namespace multum {
 namespace {
 
 constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
-// Number of partial sums: equal for every device, so that results do not depend on the device, and enough for a GPU's
-// work-items. With 64 partial sums, an iteration on an H100 took 2.5 ms, its products only 0.04 ms
+// Number of partial sums: the same for every device, so that results do not depend on the device, and enough for a
+// GPU's work-items. With 64 partial sums, an iteration on an H100 took 2.5 ms, but its products only 0.04 ms
 // (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
 constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads uphill
@@ -99,8 +99,8 @@ class Solver {
     return sums;
   }
 
-  // Computes half the gradient at x, and returns f(x) = x.(H x) - 2 x.(A^T b) + b.b plus the range terms. One product
-  // serves both.
+  // Computes half the gradient at x, and returns f(x) = x.(H x) - 2 x.(A^T b) + b.b plus the range terms. One matrix
+  // product gives both.
   double evaluate(const std::vector<Colour4>& x) {
     upload(x_, x);
     system_.apply(x_, gradient_);
@@ -119,8 +119,8 @@ class Solver {
     return objective;
   }
 
-  // Marks the values that may move, and prepares the diagonal. A value at a bound whose gradient points outwards is
-  // held.
+  // Marks the values that may move, and prepares the diagonal. A value at a bound is held if its gradient points
+  // outwards.
   std::uint64_t hold_at_bounds() {
     std::uint64_t held = 0;
     std::vector<Colour4> is_free(texel_count_, Colour4{}), inverse(texel_count_, Colour4{}),
@@ -134,8 +134,8 @@ class Solver {
         if (range_weight_ > 0.0)
           curvature[t][c] = static_cast<float>(0.5 * range_weight_ * range_term(static_cast<double>(x)).curvature);
         const float diagonal = system_.diagonal[t] + curvature[t][c];
-        // Invisible texels without pyramidal regularization do not change. The same holds if the regularization is so
-        // weak that the inverse of the diagonal would be infinite.
+        // Invisible texels without pyramidal regularization do not change. Texels also do not change if the
+        // regularization is so weak that the inverse of the diagonal would be infinite.
         if (is_held || !(diagonal >= std::numeric_limits<float>::min())) continue;
         inverse[t][c] = system_.settings.precondition ? 1.0f / diagonal : 1.0f;
       }
@@ -245,7 +245,7 @@ class Solver {
   TextureSystem& system_;
   Device& device_;
   const std::size_t texel_count_;
-  double range_weight_;                 // includes everything that multiplies the sum of g
+  double range_weight_;                 // weight that includes every factor of the sum of g
   Sums colour_squares_{0.0, 0.0, 0.0};  // b.b
   const std::vector<Colour4> target_;   // A^T b
   Sums target_squares_{0.0, 0.0, 0.0};

@@ -10,8 +10,8 @@
 //
 // Departures: The paper minimizes f, including the range term, with one nonlinear conjugate gradient. Here linear
 // conjugate gradient solves Newton steps. Values at a bound whose gradient points outwards are held there, and steps
-// end at the bounds. The constraint then holds exactly, also without the range term. The paper needs the range term for
-// this constraint, but the term pulls dark texels away from black.
+// end at the bounds. The constraint then holds exactly, even without the range term. The paper needs the range term for
+// this constraint, but that term pulls dark texels away from black.
 #pragma once
 
 #include <cstdint>

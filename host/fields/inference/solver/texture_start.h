@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes a start for texture inference if no neighbouring sample is solved. Every texel is the mean of the pixels
-// that read it. Texels with little weight take their value from the coarser level (pull-push: Gortler et al. 1996, "The
-// lumigraph").
+// Computes start values for texture inference if no neighbouring sample is solved. Every texel is the mean of the
+// pixels that read the texel. Texels with little weight take their value from the coarser level (pull-push: Gortler et
+// al. 1996, "The lumigraph").
 #pragma once
 
 #include <array>

@@ -14,10 +14,10 @@ namespace multum {
 namespace {
 
 // Largest ratio of entries of A^T A to entries of A for which A^T A is used. An iteration passes once over A and once
-// over its transpose, but only once over A^T A. The times are equal near a ratio of 3 (docs/evidence/BENCHMARKS.md: 0.5
-// of the time at 2.2, about the same at 3.3 and 3.8). But making A^T A costs the gain of 20 iterations if pictures are
-// stacked, and of 90 at 2.2. The limit of 2 leaves out ratios that pay off in few solves. The paper's rule, 2 n_s >= 4
-// n_t, compares rows, of eight entries each.
+// over its transpose, but only once over A^T A. The times are equal near a ratio of 3 (docs/evidence/BENCHMARKS.md:
+// half of the time at 2.2, about the same time at 3.3 and 3.8). But making A^T A costs as much as 20 iterations save if
+// pictures are stacked, and as much as 90 iterations save at a ratio of 2.2. The limit of 2 excludes ratios that save
+// time in only a few solves. The paper's rule, 2 n_s >= 4 n_t, compares rows of eight entries each.
 constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kEntriesOfBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items per group of the products
@@ -140,7 +140,7 @@ DeviceRows::DeviceRows(Device& device, const SparseRows& rows, const char* what)
       columns.push_back(static_cast<std::int32_t>(rows.columns[i]));
       weights.push_back(rows.weights[i]);
     }
-    // Repeats the row's last column, a texel that is in the cache.
+    // Repeats the row's last column, because its texel is in the cache.
     while (columns.size() % kEntriesOfBlock != 0) {
       columns.push_back(columns.back());
       weights.push_back(0.0f);

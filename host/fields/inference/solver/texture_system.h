@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The linear system of texture inference on an OpenCL device: the filter matrices of some views, stacked, with each row
-// times the square root of its weight, and the derived matrices (Hakura et al. 2000, section 3.2, eqs. 2-4, 6).
+// The linear system of texture inference on an OpenCL device: the stacked filter matrices of some views, with each row
+// multiplied by the square root of its weight, and the derived matrices (Hakura et al. 2000, section 3.2, eqs. 2-4, 6).
 #pragma once
 
 #include <array>
@@ -70,7 +70,7 @@ class TextureSystem {
   MipLayout layout;
   bool is_periodic_s = false, is_periodic_t = false;
   bool uses_normal = false;
-  double pyramid_weight = 0.0;  // includes everything that multiplies Gamma
+  double pyramid_weight = 0.0;  // weight that includes every factor of Gamma
   std::vector<float> diagonal;  // diagonal of A^T A + pyramid_weight R^T R
   std::size_t entry_count = 0, normal_entry_count = 0;
   Kernel curvature_product, advance_residual, advance_direction;
