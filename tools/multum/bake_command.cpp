@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake. Options that maketx has too have the names of maketx.
+// multum bake. Options that maketx also has keep their names from maketx.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -30,7 +30,7 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
-  std::string shard;  // of several maps, or of one map; empty: the whole work
+  std::string shard;  // shares of several maps or of one map; empty: bake everything
   int merged_shards = 0;
 };
 
@@ -57,7 +57,7 @@ BakeTarget target_of(const BakeOptions& o) {
   return target;
 }
 
-// Throws Error(kUsage) for options of a target without a target, and for settings that a target chooses.
+// Throws Error(kUsage) for target options without a target, and for settings that a target chooses.
 void check_target_options(const BakeOptions& o) {
   if (!has_target(o)) {
     if (o.values.has("brdf") || o.values.flag("best_effort"))
@@ -86,7 +86,7 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   return chosen.report;
 }
 
-// Bakes each map; one that fails does not stop the others. Returns the exit code of the first failure.
+// Bakes each map. A map that fails does not stop the others. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
   std::size_t unchanged = 0, failed = 0, begun = 0;
@@ -166,7 +166,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     check_merge(o, is_several);
     jobs[0].merged_shards = o.merged_shards;
   }
-  // One map is checked before the device is opened. Of several maps, none is read if no device can be opened.
+  // A single map is checked before the device is opened. Several maps are read only after a device was opened.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(jobs, o, device);

@@ -19,7 +19,8 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Runs before any work: a long run must not end with a report that cannot be written, or that overwrites a map.
+// Checks result files before any work: a long run must not end with a report that cannot be written or overwrites a
+// map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {
@@ -46,7 +47,7 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
   }
 }
 
-// A map that fails does not stop the others.
+// Bakes or checks one map. A map that fails does not stop the others.
 MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
                   const BakePrinting& printing) {
   const Stopwatch stopwatch;

@@ -30,9 +30,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
-constexpr std::uint64_t kMemoryLow = kGiB;  // a bake of 4096 x 4096 texels takes a third of it
-constexpr std::uint64_t kDiskLow = kGiB;    // a baked map of 4096 x 4096 texels has some 200 MiB
-// A trial takes a second; kernels that are compiled for the first time take up to a minute.
+constexpr std::uint64_t kMemoryLow = kGiB;  // a bake of 4096 x 4096 texels needs a third of this
+constexpr std::uint64_t kDiskLow = kGiB;    // a baked map of 4096 x 4096 texels is about 200 MiB large
+// A trial takes a second. If kernels must be compiled first, it takes up to a minute.
 constexpr std::chrono::minutes kTrialTime{5};
 
 struct FolderSize {
@@ -60,7 +60,7 @@ DoctorFinding cache_finding(const std::string& folder, const std::string& what, 
   if (folder.empty())
     return {DoctorState::kWarning, "cache", fmt::format("{}: switched off, kernels are compiled in every run", what),
             fmt::format("Unset {}, or set it to a folder that can be written.", variable)};
-  // Opening devices puts a private folder in the place of one that cannot be written (kernel_caches.h).
+  // Opening a device replaces a folder that cannot be written by a private folder (kernel_caches.h).
   const char* const used = std::getenv(variable.c_str());
   if (used != nullptr && used != folder)
     return {DoctorState::kWarning, "cache",
@@ -90,7 +90,7 @@ std::string last_line(const std::string& text) {
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? -1 : begin));
 }
 
-// Why a child failed, in one line; empty if it succeeded.
+// Returns the reason why a child failed, in one line; empty if it succeeded.
 std::string failure_of(const ChildResult& child) {
   if (child.is_over_time) return "it took longer than five minutes";
   if (child.signal != 0) return fmt::format("it was ended by signal {}", child.signal);

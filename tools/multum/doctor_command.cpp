@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum doctor: checks the machine, and says what is wrong and what to do.
+// multum doctor: checks the machine, reports problems, and says how to solve them.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -25,7 +25,7 @@ void append(DoctorFindings& findings, const DoctorFindings& more) {
   findings.insert(findings.end(), more.begin(), more.end());
 }
 
-// Checks that need files; they are written to a folder that is removed again.
+// Runs the checks that need files, in a temporary folder that is removed afterwards.
 DoctorFindings file_findings(const DoctorSettings& settings) {
   std::error_code error;
   const std::string temporary = std::filesystem::temp_directory_path(error).string();

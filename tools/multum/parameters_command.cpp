@@ -49,7 +49,7 @@ Json row_json(const Parameter& row) {
   return json;
 }
 
-// All tables, and the schemas of jobs that follow from them (docs/reference/openapi.json).
+// Returns all tables, and the job schemas that are made from them (docs/reference/openapi.json).
 nlohmann::ordered_json all_json() {
   nlohmann::ordered_json json = {{"commands", nlohmann::ordered_json::object()}, {"schemas", job_schemas()}};
   for (const ParameterTable* table : parameter_tables())

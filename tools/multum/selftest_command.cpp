@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest: runs the numerical cases of the kernels on the device and driver of the user.
+// multum selftest: runs the numerical test cases of the kernels on the user's device and driver.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -47,7 +47,7 @@ int run_selftest_command(SelftestCommandOptions options) {
   options.selftest.without_guards = options.selftest.without_guards || !options.markdown.empty();
   const Stopwatch stopwatch;
   std::vector<NumericalRun> runs;
-  if (!options.with.empty()) runs.push_back(read_run(options.with));  // before the long work
+  if (!options.with.empty()) runs.push_back(read_run(options.with));  // read before the long work
   Device device = Device::open(options.device);
   const auto progress = make_progress(options.common);
   const NumericalRun run = run_selftest(device, options.selftest, progress.get());

@@ -28,7 +28,7 @@ struct TradeoffOptions {
   bool quick = false, full = false, no_pictures = false;
 };
 
-// Parameters of reading the map; the sweep sets the parameters of the bake.
+// Returns the parameters for reading the map. The sweep sets the parameters of the bake.
 std::vector<std::string> parameters_of_the_map() {
   std::vector<std::string> names = {"device"};
   for (const Parameter& row : bake_parameters().rows())

@@ -98,7 +98,7 @@ const std::vector<ViewCommand>& view_commands() {
   static const std::vector<ViewCommand> commands = [] {
     std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
     const std::vector<ViewCommand> more = field_commands();
-    all.insert(all.begin() + 2, more.begin(), more.end());  // after scene and animate
+    all.insert(all.begin() + 2, more.begin(), more.end());  // inserted after scene and animate
     return all;
   }();
   return commands;
@@ -152,7 +152,7 @@ struct HelpOptions {
   bool markdown = false;
 };
 
-// Hidden commands: multum completion and multum man call them.
+// Adds hidden commands that multum completion and multum man call.
 void add_help_commands(CLI::App& app, HelpOptions& o) {
   CLI::App* const completion = app.add_subcommand("completion", "")->group("");
   completion->add_option("shell", o.shell)->required()->check(CLI::IsMember(kShells));
@@ -167,7 +167,7 @@ void run_help_command(const CLI::App& app, const std::string& command, const Hel
   else write_man_pages(app, o.folder);
 }
 
-/// The message about a misspelt subcommand, if the word names no file; else empty.
+/// Returns the message about a misspelt subcommand, if no file has that name; else an empty string.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -180,7 +180,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// The message about an option that only subcommands have; else empty.
+/// Returns the message about an option that only subcommands have; else an empty string.
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));
@@ -202,8 +202,8 @@ std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("{}: {}\nSee '{} --help'.\n", program, text, program);
 }
 
-/// The subcommand that runs; empty: a baked map is drawn. Throws Error(kUsage) for options before a subcommand, which
-/// would have no effect.
+/// Returns the subcommand to run, or an empty string to draw a baked map. Throws Error(kUsage) for options before a
+/// subcommand, because they would have no effect.
 std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
   if (app.get_subcommands().empty()) {
     if (options.map.file.empty()) throw CLI::RequiredError("file");

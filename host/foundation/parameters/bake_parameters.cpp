@@ -14,7 +14,7 @@ using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
 constexpr unsigned kJob = kOnCommandLine | kInManifest | kInService;
-constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB of the program and a window of 8 (bake_job.cpp)
+constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB for the program and 8 MiB for a window (bake_job.cpp)
 
 void add(Rows& rows, Rows more, const char* group) {
   for (Parameter& row : more) {
@@ -270,7 +270,7 @@ Rows fit_rows() {
        .default_text = "500",
        .hashed_as = "kappa_cap",
        .surfaces = kJob},
-      // Hashed and checked; nobody can set them.
+      // These parameters are hashed and checked, but users cannot set them.
       {.name = "iterations_coarse",
        .kind = Kind::kInteger,
        .help = "most EM iterations of texels that cover more than 1024 normals; --iterations sets it too",
@@ -397,7 +397,7 @@ const ParameterTable& bake_parameters() {
         "input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side",
         kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
-    // The order of help texts: representation, fit, storage.
+    // The order in help texts is: representation, fit, storage.
     add(rows, representation_rows(), kStorageGroup);
     add(rows, fit_rows(), kFitGroup);
     add(rows, storage_rows(), kStorageGroup);

@@ -175,7 +175,7 @@ const ParameterTable& export_parameters() {
   static const ParameterTable table = [] {
     Rows rows = export_rows();
     rows.push_back(input_parameter("input", bake_parameters().at("input").help, kInManifest | kInService));
-    // An export reads maps like a bake.
+    // An export reads maps like a bake does.
     for (Parameter row : bake_parameters().rows()) {
       if (row.group != kSourceGroup) continue;
       row.surfaces = kExportJob;

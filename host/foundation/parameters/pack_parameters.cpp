@@ -10,7 +10,7 @@ namespace {
 constexpr unsigned kPackJob = kOnCommandLine | kInService;
 constexpr double kLeastPackMemory = 256.0 * 1024 * 1024;
 
-/// At most one of these may be given.
+/// At most one of these parameters may be given.
 std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",

@@ -23,7 +23,7 @@ Parameter data_format_parameter(const char* default_text) {
           .surfaces = kOnCommandLine};
 }
 
-// A colour, a direction or another list of numbers in one text.
+// A colour, a direction or another list of numbers in one string.
 Parameter numbers_parameter(const char* name, const char* help, const char* unit, const char* default_text) {
   return {.name = name,
           .kind = Kind::kText,

@@ -58,7 +58,7 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
-// FOLDER for "FOLDER/inferred.json", which jobs of the service name.
+// Returns FOLDER for "FOLDER/inferred.json", the form that jobs of the service use.
 std::string field_folder(const std::string& named) {
   const std::filesystem::path path(named);
   if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;

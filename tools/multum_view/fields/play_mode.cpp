@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play: draws frames along a path through the parameters of a packed field, decoding as it goes.
+// multum-view play: draws frames along a path through the parameters of a packed field, and decodes while drawing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFrames = 24, kFramesMax = 9999;  // frame names have four digits
+constexpr int kFrames = 24, kFramesMax = 9999;  // file names of frames have four digits
 
 std::string played_frame_path(const PlayOptions& options, int frame) {
   return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
@@ -59,7 +59,7 @@ gl::PlayerSettings player_settings(const PlayOptions& options) {
   return settings;
 }
 
-/// Returns the parameter points of all frames.
+/// Returns the parameter values of all frames.
 std::vector<std::vector<double>> points_of(const PlayOptions& options, const ParameterPath& path) {
   const int count = options.frame_count > 0 ? options.frame_count : kFrames;
   std::vector<std::vector<double>> points;
@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns the `p` quantile of the values, `p` in 0..1, by the nearest rank.
+/// Returns a quantile of the values by the nearest rank; `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;

@@ -3,7 +3,7 @@
 
 namespace multum {
 
-// In the order of the page and the schemas.
+// The fields are in the order of the page and the schemas.
 const std::vector<JobField>& job_fields() {
   using Form = JobField::Form;
   static const std::vector<JobField> rows = {
