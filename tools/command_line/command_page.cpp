@@ -28,14 +28,14 @@ constexpr char kHead[] =
     "programs print the same texts with `--help`. `tools/parameter_documents` writes this page; do not edit it.\n\n"
     "- `multum COMMAND --help` prints the help of one command. `multum completion SHELL` and `multum man -o FOLDER`\n"
     "  write shell completion and manual pages.\n"
-    "- Sizes are in texels unless a unit is named. Directions and places are `x,y,z`.\n"
+    "- Sizes are in texels unless a unit is named. Directions and positions are `x,y,z`.\n"
     "- Options that several commands share are described once.\n"
     "- *Keys* says where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
     "  [manifest](manifests.md), *s* in `[[map]]` of a [scene](scenes.md), *j* in the parameters of a\n"
     "  [job](service.md). The key of `--first-level` is `first_level`.\n"
-    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, or 800M, 2G.\n"
-    "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). A parameter without it changes\n"
-    "  no content.\n"
+    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, such as 800M or 2G.\n"
+    "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). Parameters\n"
+    "  without one do not change the content.\n"
     "- Commands return the [exit codes](exit_codes.md). With `--json` they print one JSON document on stdout, and\n"
     "  no other text there.\n";
 

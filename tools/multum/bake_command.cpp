@@ -194,13 +194,11 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       "-o,--output", options->job.output,
       "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>; for a scene: a folder");
   bake->add_option("--shard", options->shard,
-                   "bake only share I of N (I/N), or shares I to J (I-J/N), of maps or a scene; of one map: 0/N coarse "
-                   "levels, 1/N to "
-                   "N/N bands");
-  bake->add_option(
-          "--merge", options->merged_shards,
-          "write the file of one map from its shares 0/N to N/N; of a scene, check shares 1/N to N/N and write "
-          "plan and report")
+                   "bake only share I of N (I/N), or shares I to J (I-J/N), of several maps or a scene; for one map, "
+                   "0/N is the coarse levels, and 1/N to N/N are bands");
+  bake->add_option("--merge", options->merged_shards,
+                   "write the file of one map from its shares 0/N to N/N; for a scene, check shares 1/N to N/N and "
+                   "write plan and report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*bake, options->values);

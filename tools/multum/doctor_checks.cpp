@@ -184,12 +184,12 @@ DoctorFindings cache_findings(const KernelCacheFolders& folders) {
 DoctorFindings decoder_findings() {
   const std::string program = decoder_beside_this_program();
   if (access(program.c_str(), X_OK) != 0)
-    return {{DoctorState::kFailure, "decoder", fmt::format("{}: not there, images cannot be read", program),
+    return {{DoctorState::kFailure, "decoder", fmt::format("{}: is missing, so images cannot be read", program),
              "Install multum-decode next to multum; both must be of the same build."}};
   if (!can_confine())
     return {{DoctorState::kWarning, "decoder",
-             "files are decoded in a child process with limits of memory and time, but this kernel cannot confine it",
-             "Read files of strangers only where the kernel has Landlock (Linux 5.13 and later)."}};
+             "files are decoded in a child process with limited memory and time, but this kernel cannot confine it",
+             "Read untrusted files only where the kernel has Landlock (Linux 5.13 and later)."}};
   return {{DoctorState::kFine, "decoder", "files are decoded in a confined child process", ""}};
 }
 
@@ -221,7 +221,7 @@ DoctorFindings trial_findings(const DoctorSettings& settings, const std::string&
   if (!failure.empty())
     return {{DoctorState::kFailure, "bake", "a map of 32 x 32 texels: " + failure,
              "Run `multum selftest`: it names the kernels that this driver computes wrongly."},
-            {DoctorState::kAbsent, "GL", "not tried: nothing was baked that could be drawn", ""}};
+            {DoctorState::kAbsent, "GL", "not tried, because no map was baked", ""}};
   DoctorFindings findings = {
       {DoctorState::kFine, "bake", fmt::format("a map of 32 x 32 texels, in {:.1f} s", seconds), ""}};
   const DoctorFindings contexts = context_findings(settings, folder);
@@ -246,10 +246,10 @@ DoctorFindings program_findings(const std::string& folder) {
   } catch (const Error&) {
     has_ffmpeg = false;
   }
-  if (has_ffmpeg) findings.push_back({DoctorState::kFine, "programs", "ffmpeg: pages get moving pictures", ""});
+  if (has_ffmpeg) findings.push_back({DoctorState::kFine, "programs", "ffmpeg: pages contain videos", ""});
   else
     findings.push_back({DoctorState::kAbsent, "programs", "ffmpeg: not installed",
-                        "Needed only for moving pictures on the pages of `multum export --page`."});
+                        "Needed only for videos on the pages of `multum export --page`."});
   return findings;
 }
 

@@ -298,10 +298,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "rg8 and bc store only x and y of normals; the shader rebuilds z = sqrt(1 - x^2 - y^2). bc stores normals as\n"
       "BC5, roughness textures as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
       "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
-      "--smoothness has metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
+      "--smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
       "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe. --resume\n"
-      "keeps its rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md has the steps for\n"
-      "each engine.");
+      "keeps fitted rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md lists the steps\n"
+      "for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

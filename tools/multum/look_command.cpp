@@ -75,8 +75,8 @@ void add_look_command(CLI::App& app, int* exit_code) {
   command->add_option("--base-roughness", o.job.base_roughness, "set one perceptual roughness for the whole surface")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
-  command->add_flag("--same-source", o.job.same_source, "refuse a normal map that is not the baked one");
-  command->add_flag("--no-open", o.stays_closed, "write the page without opening it");
+  command->add_flag("--same-source", o.job.same_source, "refuse a normal map other than the baked one");
+  command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
                       "use this OpenCL device: its number in `multum devices`, or a part of its name");
   add_common_options(*command, o.common);

@@ -174,8 +174,8 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
       representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
-  return "--environment: in its light, lean and lean-jacobian are drawn like toksvig, with one lobe around the mean "
-         "normal";
+  return "--environment: under this light, lean and lean-jacobian are drawn like toksvig, with one lobe around the "
+         "mean normal";
 }
 
 }  // namespace multum

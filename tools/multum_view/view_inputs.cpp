@@ -183,7 +183,7 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   if (source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map of the bake, "
-                            "which has the finer levels ({}, SHA-256 {})",
+                            "which contains the finer levels ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
                             baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);

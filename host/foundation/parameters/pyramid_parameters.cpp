@@ -112,7 +112,7 @@ const ParameterTable& reflectance_parameters() {
                  .surfaces = kOnCommandLine},
                 {.name = "environment",
                  .kind = Kind::kFile,
-                 .help = "light the surface by this latitude-longitude image; +Y is at the top, -Z in the middle",
+                 .help = "light the surface with this latitude-longitude image; +Y is at the top, -Z in the middle",
                  .surfaces = kOnCommandLine},
                 {.name = "environment_scale",
                  .kind = Kind::kNumber,

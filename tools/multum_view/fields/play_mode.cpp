@@ -240,15 +240,16 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "draw this many sub-pixels along each side of a pixel (default: as the field says)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
-               "mix the samples around a point linearly along each parameter, instead of the nearest sample");
+               "mix the samples around a point linearly along each parameter, instead of using the nearest sample");
   app.add_flag("--no-wait", options.draws_what_is_there,
                "draw decoded images only, coarsest first, without waiting; pictures then depend on the speed of the "
                "machine");
-  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure a jump");
+  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure jumps");
   app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--memory", options.memory, "keep decoded data within this memory, GPU included, such as 800M or 2G")
+  app.add_option("--memory", options.memory,
+                 "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
       ->capture_default_str();
   app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
       ->capture_default_str();
