@@ -440,10 +440,10 @@ int run(int argc, char** argv) {
   Options o;
   CLI::App app("Simulates many maps on many Slurm nodes with the real ledger, in virtual time.");
   app.footer("Example: multum-farm-simulation -o run.json --folder /tmp/run --maps 20000 --nodes 100");
-  app.add_option("--folder", o.folder, "folder for the ledger, on the disk to measure")->required();
+  app.add_option("--folder", o.folder, "folder for the ledger, on the disk that is measured")->required();
   app.add_option("-o,--output", o.json, "JSON file for the results")->required();
   app.add_option("--maps", o.maps, "number of maps to bake, one job each")->capture_default_str();
-  app.add_option("--nodes", o.nodes, "number of nodes; each runs one task at a time")->capture_default_str();
+  app.add_option("--nodes", o.nodes, "number of nodes; each node runs one task at a time")->capture_default_str();
   app.add_option("--jobs", o.jobs_max, "[slurm] jobs: maximum number of jobs with Slurm at a time")
       ->capture_default_str();
   app.add_option("--map-seconds", o.map_seconds, "median seconds per bake")->capture_default_str();
@@ -451,7 +451,7 @@ int run(int argc, char** argv) {
   app.add_option("--sbatch-seconds", o.sbatch_seconds, "seconds per sbatch")->capture_default_str();
   app.add_option("--file-seconds", o.file_seconds, "seconds per access to a file of the shared folder")
       ->capture_default_str();
-  app.add_option("--fail", o.fail_share, "share of attempts that fail and may be tried again")
+  app.add_option("--fail", o.fail_share, "share of attempts that fail and may be repeated")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--refuse", o.refuse_share, "share of maps that cannot be baked")

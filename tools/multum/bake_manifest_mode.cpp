@@ -42,7 +42,7 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
     unchanged.unchanged = true;
     print_report(map.job, printing, unchanged);
   } else if (result.state == MapState::kUnchanged && !printing.quiet) {
-    print_shown(printing.out, "%s: in place, error at most %.4g %%, as it states\n", map.job.output.c_str(),
+    print_shown(printing.out, "%s: in place, error at most %.4g %%, as the file states\n", map.job.output.c_str(),
                 100.0 * result.error.value_or(0.0));
   }
 }

@@ -65,7 +65,7 @@ void add_parameters_command(CLI::App& app, int* exit_code);
 void add_help_commands(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
 
-// The farm: tools/multum/farm, or no_farm.cpp in a build without it.
+// The commands of the farm are in tools/multum/farm. A build without the farm has no_farm.cpp instead.
 
 /// Throws Error(kUsage) if the words are not a valid command line of this program.
 using CheckWords = void (*)(const std::vector<std::string>& words);

@@ -39,7 +39,7 @@ DoctorFindings machine_findings();
 /// Checks OpenCL devices, and whether --device names one of them.
 DoctorFindings device_findings(const DoctorSettings& settings);
 
-/// Checks whether the folders of compiled kernels can be written, and their sizes. Call after device_findings().
+/// Checks the folders of compiled kernels: access rights and sizes. Call after device_findings().
 DoctorFindings cache_findings(const KernelCacheFolders& folders);
 
 /// Checks the program that decodes images and meshes, and whether the kernel can confine it.

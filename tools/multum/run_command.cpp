@@ -38,7 +38,7 @@ Progress::Callback& listener() {
 
 void check_words(const std::vector<std::string>& words);
 
-// Puts the commands that `add` adds under a heading in the help text.
+// Puts the commands of `add` under a heading in the help text.
 void add_group(CLI::App& app, const std::string& heading, const std::function<void()>& add) {
   const std::size_t before = app.get_subcommands({}).size();
   add();

@@ -32,7 +32,7 @@ void keep_stored_levels(BakedMap& map);
 /// Returns level 0 as normals. Level 0 must be stored.
 gl::NormalImage finest_normals(const BakedMap& map);
 
-/// Makes a material that shades as the options say. `source` replaces levels that the file leaves out.
+/// Makes a material that shades as the options say. Levels that the file leaves out come from `source`.
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
                                             const ShadingOptions& options, const gl::NormalImage& source);
 

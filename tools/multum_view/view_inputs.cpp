@@ -26,7 +26,7 @@
 namespace multum {
 namespace {
 
-/// Returns the bake's own settings, replaced by the settings that the command line gives.
+/// Returns the settings of the bake; settings from the command line replace them.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
@@ -224,7 +224,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
     log_warning(options.environment,
-                fmt::format("{} texels are negative or not finite, read as black", colours.clamped_count));
+                fmt::format("{} texels are negative or not finite, and are read as black", colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return make_environment_light(std::move(map));
@@ -245,7 +245,7 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.normals.empty() && options.comparison.pictures.empty())
-    log_warning(options.source.normals, "is not read: without --compare no picture needs it");
+    log_warning(options.source.normals, "is not read, because no picture needs it without --compare");
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
     log_warning(
         options.file,

@@ -45,7 +45,7 @@ struct Parameter {
   std::string help;  // the effect, verb first, without range and default
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
-  // "texels", "ms"; for strings, files and long lists of choices the form of the value, "FILE[:CHANNEL]"; empty: none.
+  // "texels" or "ms"; for strings, files and long lists of choices the form of a value, "FILE[:CHANNEL]"; empty: none.
   std::string unit = {};
   std::string default_text = {};          // as written on a command line; empty: no default
   std::vector<std::string> choices = {};  // in the order of help texts
@@ -90,7 +90,7 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value);
 std::optional<std::int64_t> parse_size_text(const std::string& text);
 
 /// Parses text of a command line; kBytes accepts a unit, such as 800M or 2G (1024-based). Returns nullopt for text that
-/// is not of the parameter's type. The range is not checked here, but by is_legal().
+/// is not of the parameter's type. Does not check the range; is_legal() does.
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text);
 
 /// The parameters of one command.

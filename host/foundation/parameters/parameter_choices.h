@@ -91,7 +91,7 @@ enum class MaterialTexels {
   kRgba8,    // normals and directions as 0.5 + 0.5 n
   kRgba16f,  // unencoded
   kRg8,      // like kRgba8, but only x and y of normals: the shader rebuilds z
-  kBlocks,   // compressed: x and y of normals as BC5, a roughness texture as BC4, others as BC7
+  kBlocks,   // compressed: x and y of normals in BC5, a roughness texture in BC4, other textures in BC7
   kUastc,    // blocks of Basis Universal, only in KTX2
 };
 inline constexpr Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},

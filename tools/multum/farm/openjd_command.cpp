@@ -161,7 +161,7 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
   return scene;
 }
 
-// Collects the files that a command reads although its words do not name them, and the folders that it writes to.
+// Collects the folders that a command writes to, and the files that it reads although its words do not name them.
 void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   std::vector<std::string>& files = command.inputs;
   for (const FarmWord& path : command.paths) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: runs the daemon, or rescues its damaged ledger. The hidden command `worker` is started by the daemon,
-// and `slurm-task` by Slurm for the daemon.
+// multum serve: runs the daemon, or rescues its damaged ledger. The daemon starts the hidden command `worker`. Slurm
+// starts the hidden command `slurm-task` for the daemon.
 #include <unistd.h>
 
 #include <cstdio>

@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Adds animation, infer, pack, unpack and player, and the numerical cases of their kernels.
+/// Adds animation, infer, pack, unpack and player. Also adds the numerical test cases of their kernels.
 void add_field_commands(CLI::App& app, int* exit_code);
 
 /// Returns the text of `multum info` about a packed field, or nullopt for any other file. Throws Error(kInput) for a

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The textures of the drawn samples, from a folder or a packed field.
+/// The source of the drawn samples' textures: a folder or a packed field.
 class TextureSource {
  public:
   virtual ~TextureSource() = default;
