@@ -211,10 +211,11 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       "  multum bake 'rock_<UDIM>.png' -o 'rock_<UDIM>.ndf.exr'     # all tiles of a set\n"
       "  multum bake --manifest maps.toml --check                   # the changed maps of a project\n"
       "  multum bake scene.toml -o baked                            # only what a scene shows of its maps\n"
-      "A map that fails does not stop the others. Shares are files next to the output. After --region the rest\n"
-      "keeps its old lobes, so the checksum is not that of a full bake. --scratch takes about 40 bytes per texel\n"
-      "with four lobes. docs/reference/input_maps.md describes how maps are read, docs/reference/manifests.md\n"
-      "manifests, docs/reference/scenes.md scenes, and docs/how-to/clusters.md shares on a farm.");
+      "A map that fails does not stop the others. Shares are files next to the output. After --region, texels\n"
+      "outside of it keep their old lobes, so the checksum differs from a full bake. --scratch needs about 40 bytes\n"
+      "per texel with four lobes. More: docs/reference/input_maps.md (how maps are read), "
+      "docs/reference/manifests.md,\n"
+      "docs/reference/scenes.md and docs/how-to/clusters.md (shares on a farm).");
   bake->callback([bake, options, exit_code] { *exit_code = run_bake(*bake, *options); });
 }
 

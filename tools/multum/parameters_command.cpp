@@ -81,7 +81,7 @@ int run_parameters(const ParametersOptions& o) {
 void add_parameters_command(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ParametersOptions>();
   CLI::App* command = app.add_subcommand(
-      "parameters", "list the parameters of commands, manifests and jobs: values, defaults, meaning");
+      "parameters", "list the parameters of commands, manifests and jobs with values, defaults and meaning");
   std::vector<std::string> names;
   for (const ParameterTable* table : parameter_tables()) names.push_back(table->command());
   command->add_option("command", o->command, "list only the parameters of this command")->check(CLI::IsMember(names));

@@ -219,8 +219,8 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "refine",
-       .help = "refine the lobes of each texel after EM so that their highlights match better: more accurate but "
-               "slower; only for vmf with binned normals",
+       .help = "refine the lobes of each texel after EM for better highlights: more accurate but slower; only for vmf "
+               "with binned normals",
        .hashed_as = "refined",
        .chosen_by_target = true,
        .surfaces = kJob},

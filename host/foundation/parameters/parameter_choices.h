@@ -141,7 +141,7 @@ inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},         
 /// pyramid of `multum pack`: the images of a chunk.
 enum class PyramidChoice {
   kAdaptive,  // the best of several pyramids and learnt bases
-  kGreedy,    // the search of the paper, with its image coder
+  kGreedy,    // the search of the paper, only with the first of the tried coders
   kPlain,     // plain_levels
   kNone,      // every sample is a separate image
 };

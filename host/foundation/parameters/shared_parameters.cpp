@@ -80,8 +80,8 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
   return {.name = "surface",
           .kind = ParameterKind::kChoice,
           .help =
-              "treat a texel as a facet of one normal (texels), or interpolate between texels as renderers do up close "
-              "(interpolated, smoother)" +
+              "treat a texel as a facet with one normal (texels), or interpolate between texels as renderers do up "
+              "close (interpolated, smoother)" +
               more,
           .default_text = "texels",
           .choices = choice_names(kMapSurfaces),
