@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Before a command does anything: refuses names that are too long for any file system, and makes the folders of
+// Runs before a command does anything: refuses names that are too long for any file system, and makes the folders of
 // outputs.
 #include "tools/command_line/before_command.h"
 
@@ -25,11 +25,11 @@ namespace {
 // Options whose values are not file names: a job's label, a curve through parameters, a device.
 constexpr const char* kTexts[] = {"label", "name", "path", "device"};
 
-// Options that name a file or folder to write, or a prefix of files.
+// Options that name a file or folder to write, or a prefix of file names.
 constexpr const char* kOutputs[] = {"output",   "report",   "page",    "player",         "junit",        "summary",
                                     "markdown", "pictures", "shaders", "keep-reference", "debug-picture"};
 
-// JSON and addresses are not file names either.
+// JSON texts and addresses are not file names either.
 bool is_name(const CLI::Option& option, const std::string& value) {
   return std::none_of(std::begin(kTexts), std::end(kTexts),
                       [&](const char* name) { return option.check_lname(name); }) &&
@@ -56,9 +56,9 @@ void check_values(const CLI::App& app) {
     check_values(*command);
 }
 
-// NewFolders removes a folder that stays empty, so that a command that fails leaves none.
+// NewFolders removes folders that stay empty, so a command that fails leaves no folder.
 void make_output_folders(const CLI::App& command) {
-  if (command.get_option_no_throw("--server") != nullptr) return;  // its output is on the disk of the service
+  if (command.get_option_no_throw("--server") != nullptr) return;  // the output is on the disk of the service
   for (const CLI::Option* option : command.get_options()) {
     const bool is_output = std::any_of(std::begin(kOutputs), std::end(kOutputs),
                                        [&](const char* name) { return option->check_lname(name); });

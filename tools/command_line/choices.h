@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds options that take one of several names. Transformers of CLI11 would also accept and show the numbers of the
+// Adds options that accept one of several names. The transformers of CLI11 would also accept and show the numbers of
 // enumerators.
 #pragma once
 

@@ -8,7 +8,8 @@
 
 namespace multum {
 
-/// The innermost subcommand that was parsed: "multum jobs list" gives `list`; `app` itself if none was.
+/// Returns the innermost subcommand that was parsed: "multum jobs list" gives `list`. Without subcommands, returns
+/// `app`.
 inline const CLI::App& chosen_command(const CLI::App& app) {
   const CLI::App* command = &app;
   for (;;) {
@@ -18,7 +19,7 @@ inline const CLI::App& chosen_command(const CLI::App& app) {
   }
 }
 
-/// The words that call a command: "multum jobs list".
+/// Returns the words that call a command, such as "multum jobs list".
 inline std::string command_words(const CLI::App& command) {
   const CLI::App* const parent = command.get_parent();
   return parent == nullptr ? command.get_name() : command_words(*parent) + " " + command.get_name();

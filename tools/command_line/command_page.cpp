@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Options that at least this many commands have in common are in a section of their own.
+// Options that at least this many commands have in common are listed in a section of their own.
 constexpr std::size_t kManyCommands = 4;
 constexpr char kSharedHeading[] = "Options of many commands";
 
@@ -28,18 +28,18 @@ constexpr char kHead[] =
     "programs print the same texts with `--help`. `tools/parameter_documents` writes this page; do not edit it.\n\n"
     "- `multum COMMAND --help` prints the help of one command. `multum completion SHELL` and `multum man -o FOLDER`\n"
     "  write shell completion and manual pages.\n"
-    "- Sizes are in texels unless a unit is named. Directions and places are `x,y,z`.\n"
+    "- Sizes are in texels unless a unit is named. Directions and positions are `x,y,z`.\n"
     "- Options that several commands share are described once.\n"
     "- *Keys* says where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
     "  [manifest](manifests.md), *s* in `[[map]]` of a [scene](scenes.md), *j* in the parameters of a\n"
     "  [job](service.md). The key of `--first-level` is `first_level`.\n"
-    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, or 800M, 2G.\n"
-    "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). A parameter without it changes\n"
-    "  no content.\n"
+    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, such as 800M or 2G.\n"
+    "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). Parameters\n"
+    "  without one do not change the content.\n"
     "- Commands return the [exit codes](exit_codes.md). With `--json` they print one JSON document on stdout, and\n"
     "  no other text there.\n";
 
-// Text in a cell: names of options as code, paths of pages as links, characters of Markdown escaped.
+// Formats text for a cell: option names as code, page paths as links, Markdown characters escaped.
 std::string cell(const std::string& text) {
   std::string result;
   bool is_code = false;
@@ -97,7 +97,7 @@ bool has_hashes(const ParameterTable& table) {
                      [](const Parameter& row) { return !row.hashed_as.empty() && !keys_text(row).empty(); });
 }
 
-// The heading of kFitGroup says it for all of its rows.
+// Rows of kFitGroup need no note, because the heading of the group states the scope.
 std::string scope_note(const Parameter& row) {
   switch (row.scope) {
     case ParameterScope::kAll: return "";
@@ -107,9 +107,9 @@ std::string scope_note(const Parameter& row) {
   return "";
 }
 
-// The columns of a table: options, or options with their keys.
+// The columns of a table: only options, or options with their keys.
 struct Columns {
-  const ParameterTable* table = nullptr;  // null: no keys
+  const ParameterTable* table = nullptr;  // null: the table shows no keys
   bool hashes = false;
 
   std::string head() const {
@@ -142,7 +142,7 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-// "1 to 8 (`4`)": values, then the default. A help text that explains every choice need not list them again.
+// Returns "1 to 8 (`4`)": values, then the default. Choices that the help text explains are not listed again.
 std::string values_of(const OptionText& option) {
   const bool are_explained = std::all_of(option.choices.begin(), option.choices.end(),
                                          [&](const std::string& choice) { return has_word(option.help, choice); });
@@ -165,7 +165,7 @@ std::string option_row(const OptionText& option, const Columns& columns) {
                      cell(option.help) + (parameter != nullptr ? scope_note(*parameter) : ""));
 }
 
-// Values of a key in the form of values_of().
+// Returns the values of a key in the form of values_of().
 std::string key_values(const Parameter& row) {
   std::string text = row.kind == ParameterKind::kFile   ? "FILE"
                      : row.kind == ParameterKind::kText ? ""
@@ -176,7 +176,7 @@ std::string key_values(const Parameter& row) {
   return cell(text);
 }
 
-// Rows of a table that are not options: keys of files and jobs, and settings that are only hashed.
+// Returns the rows for parameters that are not options: keys of files and jobs, and settings that are only hashed.
 std::string key_rows(const Columns& columns, const std::set<std::string>& shown = {}) {
   std::string text;
   for (const Parameter& row : columns.table->rows())
@@ -188,12 +188,12 @@ std::string key_rows(const Columns& columns, const std::set<std::string>& shown 
 
 std::string heading_of(const std::string& group) { return group == kFitGroup ? group + " (vmf and gmm)" : group; }
 
-// Options that each command describes itself: a positional is about the command, and so is its output.
+// Positionals and --output have a different meaning for each command, so each command describes its own.
 bool is_own(const OptionText& option) { return option.long_name.empty() || option.long_name == "--output"; }
 
 bool is_help(const OptionText& option) { return option.long_name == "--help"; }
 
-// Two commands have the same option if all of its text is the same.
+// Two commands share an option if all texts of the option are the same.
 std::string identity(const OptionText& option) {
   return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", option.short_name, option.name(), option.values(), option.default_text,
                      option.is_required, option.help);
@@ -201,7 +201,7 @@ std::string identity(const OptionText& option) {
 
 bool is_submit(const CommandText& command) { return command.words.ends_with(" jobs submit"); }
 
-// Commands in the order of the page. Job types are part of the section of `submit`.
+// Collects commands in the order of the page. Job types belong to the section of `submit`.
 void collect(const CommandText& command, std::vector<const CommandText*>& all) {
   all.push_back(&command);
   if (is_submit(command)) return;
@@ -222,7 +222,7 @@ class Page {
     for (const CommandText* command : commands_)
       for (const OptionText& option : command->options)
         if (!is_own(option)) ++counts[identity(option)];
-    // A program that does its work without a subcommand describes all of its options in its own section.
+    // A program that can work without a subcommand describes all of its options in its own section.
     for (const auto& [key, count] : counts)
       if (count >= kManyCommands && program.needs_command) shared_.insert(key);
   }
@@ -267,7 +267,7 @@ class Page {
     return text;
   }
 
-  // multum-view reads a map with options of multum bake, in whose part they are described.
+  // multum-view reads maps with options of multum bake, which are described in the part about multum.
   bool is_reading_option(const OptionText& option) const {
     return program_.name != "multum" && option.group == kSourceGroup;
   }
@@ -298,7 +298,7 @@ class Page {
     return text;
   }
 
-  // "Options of multum bake: --lobes ...", or the exceptions if they are fewer.
+  // Returns "Options of multum bake: --lobes ..."; lists the exceptions instead if they are fewer.
   std::string names_of_owner(const CommandText& owner, const std::vector<std::string>& names) const {
     std::vector<std::string> missing;
     for (const OptionText& option : owner.options)
@@ -328,7 +328,7 @@ class Page {
     return found == owners_.end() ? nullptr : found->second;
   }
 
-  // Parameters that another section describes, and that have other keys here.
+  // Lists parameters that another section describes but that have different keys here.
   std::string other_keys(const CommandText& command, const Columns& columns) const {
     if (columns.table == nullptr) return "";
     const ParameterTable* const described = find_parameter_table("bake");
@@ -380,7 +380,7 @@ class Page {
     return text;
   }
 
-  // Usage, help and examples.
+  // Returns usage, help and examples.
   std::string help_text(const CommandText& command) const {
     std::string help = command.help.substr(0, command.help.find("\n\n"));
     std::replace(help.begin(), help.end(), '\n', ' ');
@@ -400,7 +400,7 @@ class Page {
     return text;
   }
 
-  // The options that all job types have; those of a type are parameters with the key j.
+  // Lists the options that all job types have. The options of a single type are parameters with the key j.
   std::string job_types(const CommandText& submit) {
     std::string types, rows;
     std::set<std::string> done;
@@ -429,8 +429,8 @@ class Page {
   const CommandText& program_;
   std::vector<const CommandText*> commands_;
   std::set<std::string> shared_;
-  std::map<std::string, std::size_t> shared_counts_;  // of shared options by group
-  std::map<std::string, const CommandText*> owners_;  // of options by identity: the section that describes it
+  std::map<std::string, std::size_t> shared_counts_;  // number of shared options by group
+  std::map<std::string, const CommandText*> owners_;  // the section that describes an option, by option identity
 };
 
 }  // namespace

@@ -8,12 +8,13 @@
 
 namespace multum {
 
-/// Title and introduction of the page.
+/// Returns the title and introduction of the page.
 std::string command_page_head();
 
-/// The sections of one program in Markdown: a list of its commands, a section of the options that many commands share,
-/// and a section per command. An option is described once; other commands with the same option name it. A parameter has
-/// its keys in manifests, scenes and jobs next to its option.
+/// Returns the sections of one program in Markdown: a list of its commands, a section for the options that many
+/// commands share, and a section per command. Each option is described once; other commands with the same option only
+/// name it.
+/// The keys of a parameter in manifests, scenes and jobs are listed next to its option.
 std::string command_page_part(const CommandText& program);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a command line for its reference page, manual pages and completion of shells: commands, options, values and
-// defaults, read from the CLI11 app that parses them.
+// Describes a command line for its reference page, manual pages and shell completion: commands, options, values and
+// defaults. They are read from the CLI11 app that parses the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,9 +12,9 @@ namespace multum {
 
 struct OptionText {
   std::string short_name;  // "-o"; empty: none
-  std::string long_name;   // "--output"; empty: positional only
-  std::string positional;  // "input"; empty: none
-  std::string value;       // "FILE", "1 to 8"; empty: a flag, or a choice
+  std::string long_name;   // such as "--output"; empty: positional only
+  std::string positional;  // such as "input"; empty: no positional
+  std::string value;       // "FILE", "1 to 8"; empty for a flag or a choice
   std::vector<std::string> choices;
   std::string default_text;  // empty: none
   std::string help;
@@ -28,20 +28,20 @@ struct OptionText {
 };
 
 struct CommandText {
-  std::string words;  // "multum jobs list"
+  std::string words;  // such as "multum jobs list"
   std::string name;   // "list"
-  std::string group;  // heading in the help of its parent
+  std::string group;  // heading of the command in the help of its parent
   std::string help;
-  std::string examples;               // lines that end its help
-  std::vector<OptionText> options;    // visible ones, positionals first
+  std::string examples;               // last lines of the help text
+  std::vector<OptionText> options;    // visible options, positionals first
   std::vector<CommandText> commands;  // visible ones
   bool needs_command = false;
 
-  /// "multum bake [OPTION...] [input...]".
+  /// Returns the usage line, such as "multum bake [OPTION...] [input...]".
   std::string usage() const;
 };
 
-/// Describes an app with all its visible subcommands.
+/// Describes an app with all of its visible subcommands.
 CommandText describe(const CLI::App& app);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// In zsh, `options` and `commands` are special parameters: the script has other names. All three scripts find the
-// command by walking the words typed so far; "multum jobs list" is then the key of its options. Choices are keyed by
-// command and option.
+// The scripts avoid the names `options` and `commands`, which are special parameters in zsh. All three scripts find the
+// command from the words typed so far. The options of a command are stored under its words, such as "multum jobs list";
+// choices are stored under command and option.
 #include "tools/command_line/completion_scripts.h"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ void for_each_command(const CommandText& command, const Visit& visit) {
   for (const CommandText& one : command.commands) for_each_command(one, visit);
 }
 
-// A text in single quotes, for bash and zsh; fish reads the same if no quote is in it.
+// Puts a text in single quotes, for bash and zsh. fish reads it in the same way if the text has no quotes.
 std::string quoted(std::string text) {
   for (std::size_t at = text.find('\''); at != std::string::npos; at = text.find('\'', at + 4))
     text.replace(at, 1, "'\\''");
@@ -55,7 +55,7 @@ std::vector<std::string> option_names(const CommandText& command) {
   return names;
 }
 
-// Patterns of `case`: all commands but the program itself.
+// Returns `case` patterns for all commands except the program itself.
 std::string command_patterns(const CommandText& program) {
   std::string text;
   for_each_command(program, [&](const CommandText& one) {
@@ -64,7 +64,7 @@ std::string command_patterns(const CommandText& program) {
   return text;
 }
 
-// Arms of a `case` over "COMMAND:OPTION", one per option with choices; `arm` gets the pattern and the choices.
+// Returns the arms of a `case` over "COMMAND:OPTION", one per option with choices. `arm` gets the pattern and choices.
 std::string choice_arms(const CommandText& program,
                         const std::function<std::string(const std::string&, const std::string&)>& arm) {
   std::string text;

@@ -8,11 +8,11 @@
 
 namespace multum {
 
-/// The shells that completion_script() knows.
+/// The shells that completion_script() supports.
 inline const std::vector<std::string> kShells = {"bash", "zsh", "fish"};
 
-/// A script that completes commands, options and choices of `program`, and file names elsewhere. bash: to be sourced.
-/// zsh: to be sourced after compinit. fish: to be sourced, or stored as completions/PROGRAM.fish.
+/// Returns a script that completes commands, options and choices of `program`, and file names elsewhere. bash and zsh
+/// source the script, zsh after compinit. fish sources it or finds it as completions/PROGRAM.fish.
 std::string completion_script(const CommandText& program, const std::string& shell);
 
 }  // namespace multum

@@ -13,7 +13,7 @@ namespace multum {
 namespace {
 
 constexpr int kSecondsMax = 86400;
-constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // the libraries of the child take half of this
+constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // the child's libraries need half of this
 
 std::optional<std::uint64_t> byte_count(std::string text) {
   std::uint64_t bytes = 0;
@@ -55,8 +55,8 @@ void add_decoding_option(CLI::App& app, std::string* as_given) {
            set_image_opener(open_in_child(child));
            set_mesh_child(child);
          },
-         "limit time and memory of the child process that decodes one image or mesh (default: 30 s, 1 GiB), such as "
-         "child:120,4G; large files get more")
+         "limit the time and memory of the child process that decodes one image or mesh, such as child:120,4G "
+         "(default: 30 s, 1 GiB, more for large files)")
       ->check(CLI::Validator(
           [](std::string& text) {
             return child_of(text)

@@ -10,13 +10,14 @@
 
 namespace multum {
 
-/// The part of docs/reference/commands.md about the program; for multum with the head of the page.
+/// Returns the part of docs/reference/commands.md about the program. For multum, the part includes the head of the
+/// page.
 std::string command_page_of(const CLI::App& program);
 
-/// Writes the manual pages into a folder, which is made if it is missing; returns how many.
+/// Writes the manual pages into a folder and makes the folder if it is missing. Returns the number of pages.
 int write_man_pages(const CLI::App& program, const std::string& folder);
 
-/// The completion script for a shell of kShells.
+/// Returns the completion script for a shell of kShells.
 std::string completion_of(const CLI::App& program, const std::string& shell);
 
 }  // namespace multum

@@ -25,7 +25,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-// Lines that keep their breaks and spaces.
+// Keeps the line breaks and spaces of a text.
 std::string verbatim(const std::string& text) { return ".nf\n" + escaped(text) + "\n.fi\n"; }
 
 std::string page_name(const CommandText& command) {
@@ -34,7 +34,7 @@ std::string page_name(const CommandText& command) {
   return name;
 }
 
-// The first paragraph of a help text, in one line.
+// Returns the first paragraph of a help text, in one line.
 std::string summary(const CommandText& command) {
   std::string text = command.help.substr(0, command.help.find("\n\n"));
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -71,7 +71,7 @@ std::string option_entries(const CommandText& command) {
   return text;
 }
 
-// Subcommands of a command, each with its options.
+// Describes the subcommands of a command, each with its options.
 std::string subcommands(const CommandText& command) {
   std::string text;
   for (const CommandText& one : command.commands) {

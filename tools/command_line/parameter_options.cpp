@@ -56,7 +56,7 @@ CLI::Option* add_option(CLI::App& app, const std::string& names, ParameterValues
       names,
       [&values, &row](const std::string& text) {
         const std::optional<ParameterValue> value = parse_value(row, text);
-        // A text that cannot be parsed stays a text, and set() refuses it.
+        // A value that cannot be parsed stays a string, and set() refuses it.
         set_given(values, row, value ? *value : ParameterValue(text));
       },
       row.help);
@@ -78,7 +78,7 @@ void add_parameter_options(CLI::App& app, ParameterValues& values, const std::ve
     if (shows_defaults && !row->default_text.empty() && row->kind != ParameterKind::kFlag)
       option->default_str(row->default_text);
   }
-  // Only for the help text: check_exclusions() refuses both while parsing.
+  // Only for the help text: check_exclusions() refuses excluded pairs while parsing.
   for (const Parameter* row : rows)
     for (const std::string& name : row->excludes)
       if (CLI::Option* const other = app.get_option_no_throw(values.table().at(name).option()))

@@ -10,14 +10,14 @@
 
 namespace multum {
 
-/// Adds an option for each parameter of values.table() that is on command lines, or only for those in `names`, under
-/// the headings of their groups. Given values go into `values`, which must outlive the app. --help shows types, ranges
-/// and defaults; with `shows_defaults` false no defaults, because unset has another meaning. Parsing throws
-/// Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".
+/// Adds an option for each command-line parameter of values.table(), or only for the parameters in `names`, under the
+/// headings of their groups. Stores given values in `values`, which must outlive the app. --help shows types, ranges
+/// and defaults. With `shows_defaults` false it shows no defaults, because unset then has another meaning. An illegal
+/// value throws Error(kUsage) during parsing: "--lobes is 9, expected an integer from 1 to 8".
 void add_parameter_options(CLI::App& app, ParameterValues& values, const std::vector<std::string>& names = {},
                            bool shows_defaults = true);
 
-/// "--lobes", also for hidden options, for which CLI11 returns no name; "input" for a positional.
+/// Returns "--lobes", also for hidden options, whose names CLI11 does not return; "input" for a positional.
 std::string shown_name(const CLI::Option& option);
 
 }  // namespace multum

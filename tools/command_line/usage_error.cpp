@@ -39,7 +39,7 @@ std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
     return error.what();
   std::vector<std::string> names;
   for (const CLI::Option* const option : chosen_command(app).get_options())
-    if (!option->get_group().empty() && !option->get_lnames().empty())  // those in the help
+    if (!option->get_group().empty() && !option->get_lnames().empty())  // options that the help shows
       names.push_back("--" + option->get_lnames().front());
   const std::string word = unknown->substr(0, unknown->find('='));
   const std::string nearest = nearest_name(word, names);
@@ -48,7 +48,7 @@ std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
 
 namespace {
 
-// The usage line and the examples of a command's help, for a command line that lacks a required option.
+// Returns the usage line and the examples of a command's help, for a command line without a required option.
 std::string usage_and_examples(const CLI::App& command) {
   std::string text = command.get_formatter()->make_help(&command, command_words(command), CLI::AppFormatMode::Normal);
   const std::size_t usage = text.find("Usage: ");
@@ -63,7 +63,7 @@ std::string usage_and_examples(const CLI::App& command) {
 
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   const CLI::App& command = chosen_command(*app);
-  const auto is_shown = [](const CLI::App* one) { return !one->get_group().empty(); };  // in the help
+  const auto is_shown = [](const CLI::App* one) { return !one->get_group().empty(); };  // the help shows it
   const std::vector<const CLI::App*> commands = command.get_subcommands(is_shown);
   const std::string words = command_words(command);
   const bool is_incomplete = static_cast<CLI::ExitCodes>(error.get_exit_code()) == CLI::ExitCodes::RequiredError;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints help to stdout, or the error of a command line to stderr with a hint where to read on.
+// Prints help to stdout. Prints errors of a command line to stderr, and names the help to read.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace multum {
 
-/// The message of CLI11. For an unknown option: its name and the option with the nearest name.
+/// Returns the message of CLI11. For an unknown option, returns its name and the option with the most similar name.
 std::string parse_error_text(const CLI::App& app, const CLI::Error& error);
 
-/// Message for CLI::App::failure_message(); the app must have the program's name.
+/// Makes the message for CLI::App::failure_message(). The app must have the program's name.
 std::string usage_error(const CLI::App* app, const CLI::Error& error);
 
 /// Prints the help, version or error that parse() threw, and returns the program's exit code.
 int print_parse_error(const CLI::App& app, const CLI::ParseError& error);
 
-/// The table of exit codes that ends every help text, with a heading.
+/// Returns the table of exit codes at the end of every help text, with a heading.
 std::string exit_codes_text();
 
 }  // namespace multum

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-farm-simulation: simulates many maps on many Slurm nodes, in virtual time. The ledger is the real one
-// (JobQueue
-// on a disk, with synced commits), and so are the chunks and the files of the shared folder. Slurm's commands, nodes,
-// node failures and bake times are simulated with random numbers. The measured time of real code also counts as virtual
+// multum-farm-simulation: simulates many maps on many Slurm nodes, in virtual time. The ledger is real (a JobQueue on a
+// disk, with synced commits), and so are the chunks and the files of the shared folder. Slurm's commands, nodes, node
+// failures and bake times are simulated with random numbers. The measured time of real code also counts as virtual
 // time.
 //
 //   commands' thread   squeue, files of all parts that are with Slurm, then one sbatch per chunk  (slurm_pool.h)
 //   ledger's thread    ends of parts, claims, notes: one transaction for each kind                (queue_thread.h)
-//   nodes              one chunk each; after a node failure the chunk restarts elsewhere, without the finished jobs
+//   nodes              one chunk each; after a node failure, the chunk restarts on another node without finished jobs
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -37,23 +36,23 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string folder, json;
   int maps = 1000000, nodes = 1000, jobs_max = 10000;
-  double map_seconds = 20.0;  // median; kSpread is the deviation of the logarithm
+  double map_seconds = 20.0;  // median; kSpread is the standard deviation of the logarithm
   double chunk_seconds = SlurmSettings{}.chunk_seconds;
-  double sbatch_seconds = 0.031;  // docs/evidence/SERVICE.md, "Slurm": four nodes on one machine
-  double file_seconds = 0.0005;   // one access to a file of the shared folder: a round trip to its server
-  double fail_share = 0.01;       // share of attempts that fail and may be tried again
+  double sbatch_seconds = 0.031;  // docs/evidence/SERVICE.md, "Slurm": measured with four nodes on one machine
+  double file_seconds = 0.0005;   // one file access in the shared folder: a round trip to its server
+  double fail_share = 0.01;       // share of attempts that fail and may be repeated
   double refuse_share = 0.001;    // share of maps that cannot be baked
   double node_hours = 200.0;      // mean time between two failures of a node
-  double repair_seconds = 600.0;  // until a failed node is back
-  bool asks_for_each = false;     // asks for each file of each part, as versions did that could not list folders
+  double repair_seconds = 600.0;  // time until a failed node works again
+  bool asks_for_each = false;     // ask for each file of each part, like versions that could not list folders
   unsigned seed = 1;
 };
 
 constexpr double kSpread = 0.5;
 constexpr int kClaimsAtOnce = 200;                                  // as in dispatch/dispatcher.cpp
 constexpr int kSubmissionsAtOnce = 256;                             // as in ledger/queue_thread.cpp
-constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // per list, and per line of the list
-constexpr double kTaskStartSeconds = 0.5;                           // per slot, whatever the task does (slurm_plan.h)
+constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // time per list, and per line of a list
+constexpr double kTaskStartSeconds = 0.5;                           // time per slot, for any task (slurm_plan.h)
 
 JobSubmission submission_of(int map) {
   JobSubmission job;
@@ -74,7 +73,7 @@ LedgerSettings ledger_in(const std::string& folder) {
   return settings;
 }
 
-// The jobs that the page shows: the newest of one state, or of all states.
+// Selects the jobs that the page shows: the newest of one state, or of all states.
 JobFilter newest_in(std::optional<JobState> state) {
   JobFilter filter;
   filter.state = state;
@@ -102,11 +101,11 @@ struct Item {
 
 struct Chunk {
   std::vector<Item> items;
-  std::size_t reported = 0;  // items whose end the ledger knows
+  std::size_t reported = 0;  // number of items whose end the ledger knows
   bool runs = false;
 };
 
-// Seconds of the ledger's thread. Other programs on the machine lengthen only `elapsed`.
+// Seconds used by the ledger's thread. Other programs on the machine lengthen only `elapsed`.
 struct LedgerTime {
   double elapsed = 0.0, processor = 0.0;
 };
@@ -139,7 +138,7 @@ class Simulation {
   }
 
  private:
-  // Runs `body` as one transaction, and adds the time that the ledger's only thread needs for it.
+  // Runs `body` as one transaction, and adds the time that it takes on the ledger's only thread.
   template <typename Body>
   void in_ledger(LedgerTime& time, const Body& body) {
     const Stopwatch stopwatch;
@@ -168,7 +167,7 @@ class Simulation {
     work_began_ = now_;
   }
 
-  // Runs the queries that the page sends each second, and those of a user who looks for failed jobs.
+  // Runs the queries that the page sends each second, and the queries of a user who searches for failed jobs.
   void look_at_page(const std::string& when) {
     const auto milliseconds = [&](const auto& body) {
       double best = 1e9;
@@ -250,7 +249,7 @@ class Simulation {
     now_ += seconds;
   }
 
-  // The number of requests to the folder's server for one chunk in one look (look_at_files()).
+  // Returns the number of requests that one look at one chunk sends to the folder's server (look_at_files()).
   double look_files(const Chunk& chunk) const {
     const auto parts = static_cast<double>(chunk.items.size() - chunk.reported);
     if (o_.asks_for_each) return kFilesAPart * parts + (chunk.runs ? kFilesOfLog : 0.0);
@@ -275,7 +274,7 @@ class Simulation {
         for (std::size_t e = first; e < std::min(ends.size(), first + kSubmissionsAtOnce); ++e)
           note_end(ends[e].batch, ends[e].item);
       });
-    // A chunk's last item ends with its task, a moment before the node reports the end.
+    // The last item of a chunk ends with its task, a moment before the node reports the end.
     std::erase_if(chunks_, [&](const auto& one) {
       const Chunk& chunk = one.second;
       if (chunk.reported < chunk.items.size() || chunk.runs) return false;
@@ -349,7 +348,7 @@ class Simulation {
   }
 
   int draw_code(std::int64_t job) {
-    // The seed depends on the map only: a map that cannot be baked fails at every attempt.
+    // The seed depends only on the map: a map that cannot be baked fails at every attempt.
     std::minstd_rand of_map(static_cast<unsigned>(job) * 7919u + o_.seed);
     of_map.discard(3);
     if (std::uniform_real_distribution<>()(of_map) < o_.refuse_share) return 3;
@@ -395,12 +394,12 @@ class Simulation {
 
   struct Event {
     double at;
-    std::int64_t batch;  // 0: a node is back
+    std::int64_t batch;  // 0: a node works again
     bool is_failure;
     bool operator>(const Event& other) const { return at > other.at; }
   };
   const std::string kOwner = slurm_owner("simulated");
-  // A part has an end, a status and the task's output; move_log() opens four files of a part that runs.
+  // A part has an end, a status and the output of its task; move_log() opens four files of a running part.
   static constexpr double kFilesAPart = 3.0, kFilesOfLog = 4.0;
 
   const Options& o_;
@@ -441,17 +440,18 @@ int run(int argc, char** argv) {
   Options o;
   CLI::App app("Simulates many maps on many Slurm nodes with the real ledger, in virtual time.");
   app.footer("Example: multum-farm-simulation -o run.json --folder /tmp/run --maps 20000 --nodes 100");
-  app.add_option("--folder", o.folder, "folder for the ledger, on the disk to measure")->required();
+  app.add_option("--folder", o.folder, "folder for the ledger, on the disk that is measured")->required();
   app.add_option("-o,--output", o.json, "JSON file for the results")->required();
   app.add_option("--maps", o.maps, "number of maps to bake, one job each")->capture_default_str();
-  app.add_option("--nodes", o.nodes, "number of nodes; each runs one task at a time")->capture_default_str();
-  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: most jobs with Slurm at a time")->capture_default_str();
+  app.add_option("--nodes", o.nodes, "number of nodes; each node runs one task at a time")->capture_default_str();
+  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: maximum number of jobs with Slurm at a time")
+      ->capture_default_str();
   app.add_option("--map-seconds", o.map_seconds, "median seconds per bake")->capture_default_str();
   app.add_option("--chunk-seconds", o.chunk_seconds, "[slurm] chunk_s")->capture_default_str();
   app.add_option("--sbatch-seconds", o.sbatch_seconds, "seconds per sbatch")->capture_default_str();
   app.add_option("--file-seconds", o.file_seconds, "seconds per access to a file of the shared folder")
       ->capture_default_str();
-  app.add_option("--fail", o.fail_share, "share of attempts that fail and may be tried again")
+  app.add_option("--fail", o.fail_share, "share of attempts that fail and may be repeated")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--refuse", o.refuse_share, "share of maps that cannot be baked")

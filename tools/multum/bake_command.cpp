@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake. Options that maketx has too have the names of maketx.
+// multum bake. Options that maketx also has keep their names from maketx.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -30,7 +30,7 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
-  std::string shard;  // of several maps, or of one map; empty: the whole work
+  std::string shard;  // shares of several maps or of one map; empty: bake everything
   int merged_shards = 0;
 };
 
@@ -57,7 +57,7 @@ BakeTarget target_of(const BakeOptions& o) {
   return target;
 }
 
-// Throws Error(kUsage) for options of a target without a target, and for settings that a target chooses.
+// Throws Error(kUsage) for target options without a target, and for settings that a target chooses.
 void check_target_options(const BakeOptions& o) {
   if (!has_target(o)) {
     if (o.values.has("brdf") || o.values.flag("best_effort"))
@@ -86,7 +86,7 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   return chosen.report;
 }
 
-// Bakes each map; one that fails does not stop the others. Returns the exit code of the first failure.
+// Bakes each map. A map that fails does not stop the others. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
   std::size_t unchanged = 0, failed = 0, begun = 0;
@@ -166,7 +166,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     check_merge(o, is_several);
     jobs[0].merged_shards = o.merged_shards;
   }
-  // One map is checked before the device is opened. Of several maps, none is read if no device can be opened.
+  // A single map is checked before the device is opened. Several maps are read only after a device was opened.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(jobs, o, device);
@@ -194,13 +194,11 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       "-o,--output", options->job.output,
       "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>; for a scene: a folder");
   bake->add_option("--shard", options->shard,
-                   "bake only share I of N (I/N), or shares I to J (I-J/N), of maps or a scene; of one map: 0/N coarse "
-                   "levels, 1/N to "
-                   "N/N bands");
-  bake->add_option(
-          "--merge", options->merged_shards,
-          "write the file of one map from its shares 0/N to N/N; of a scene, check shares 1/N to N/N and write "
-          "plan and report")
+                   "bake only share I of N (I/N), or shares I to J (I-J/N), of several maps or a scene; for one map, "
+                   "0/N is the coarse levels, and 1/N to N/N are bands");
+  bake->add_option("--merge", options->merged_shards,
+                   "write the file of one map from its shares 0/N to N/N; for a scene, check shares 1/N to N/N and "
+                   "write plan and report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*bake, options->values);
@@ -213,10 +211,11 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       "  multum bake 'rock_<UDIM>.png' -o 'rock_<UDIM>.ndf.exr'     # all tiles of a set\n"
       "  multum bake --manifest maps.toml --check                   # the changed maps of a project\n"
       "  multum bake scene.toml -o baked                            # only what a scene shows of its maps\n"
-      "A map that fails does not stop the others. Shares are files next to the output. After --region the rest\n"
-      "keeps its old lobes, so the checksum is not that of a full bake. --scratch takes about 40 bytes per texel\n"
-      "with four lobes. docs/reference/input_maps.md describes how maps are read, docs/reference/manifests.md\n"
-      "manifests, docs/reference/scenes.md scenes, and docs/how-to/clusters.md shares on a farm.");
+      "A map that fails does not stop the others. Shares are files next to the output. After --region, texels\n"
+      "outside of it keep their old lobes, so the checksum differs from a full bake. --scratch needs about 40 bytes\n"
+      "per texel with four lobes. More: docs/reference/input_maps.md (how maps are read), "
+      "docs/reference/manifests.md,\n"
+      "docs/reference/scenes.md and docs/how-to/clusters.md (shares on a farm).");
   bake->callback([bake, options, exit_code] { *exit_code = run_bake(*bake, *options); });
 }
 

@@ -19,7 +19,8 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Runs before any work: a long run must not end with a report that cannot be written, or that overwrites a map.
+// Checks result files before any work: a long run must not end with a report that cannot be written or overwrites a
+// map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {
@@ -41,12 +42,12 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
     unchanged.unchanged = true;
     print_report(map.job, printing, unchanged);
   } else if (result.state == MapState::kUnchanged && !printing.quiet) {
-    print_shown(printing.out, "%s: in place, error at most %.4g %%, as it states\n", map.job.output.c_str(),
+    print_shown(printing.out, "%s: in place, error at most %.4g %%, as the file states\n", map.job.output.c_str(),
                 100.0 * result.error.value_or(0.0));
   }
 }
 
-// A map that fails does not stop the others.
+// Bakes or checks one map. A map that fails does not stop the others.
 MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
                   const BakePrinting& printing) {
   const Stopwatch stopwatch;
@@ -95,14 +96,13 @@ void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
   CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
                                                 "bake the changed maps that this maps.toml lists; replaces input and "
                                                 "--output");
-  CLI::Option* const check =
-      bake.add_flag("--check", o.run.check,
-                    "also verify and measure existing files; exit with code 5 if one was missing, stale, damaged, or "
-                    "worse than it states or error_max allows")
-          ->needs(manifest);
+  CLI::Option* const check = bake.add_flag("--check", o.run.check,
+                                           "also verify and measure existing files; exit with code 5 if a file was "
+                                           "missing, stale, damaged, or above its stated error or error_max")
+                                 ->needs(manifest);
   bake.add_flag("--dry-run", o.run.dry_run, "with --check: only list findings, and bake nothing")->needs(check);
   bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write the findings as a Markdown table, to stdout for -")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; -: to stdout")->needs(manifest);
   check->excludes("--force");
 }
 

@@ -16,11 +16,11 @@
 namespace multum {
 
 struct ManifestModeOptions {
-  std::string manifest;  // empty: another mode
+  std::string manifest;  // empty: the command runs in another mode
   ManifestRunSettings run;
   std::string junit;    // empty: none
-  std::string summary;  // empty: none; "-": stdout, which then has no other text
-  WorkShard shard;      // of the maps
+  std::string summary;  // empty: no summary; "-": stdout, which then has no other text
+  WorkShard shard;      // share of the maps
 };
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& options);
@@ -28,7 +28,7 @@ void add_manifest_options(CLI::App& bake, ManifestModeOptions& options);
 /// Throws Error(kUsage) for a given option of `bake` that the manifest sets for each map.
 void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& options);
 
-/// Returns the exit code. `pattern` has the settings that all maps share.
+/// Returns the exit code. `pattern` holds the settings that all maps share.
 int run_manifest(const ManifestModeOptions& options, const BakeJob& pattern, const DeviceChoice& device,
                  const CommonOptions& common, BakePrinting printing);
 

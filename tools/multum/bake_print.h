@@ -10,17 +10,17 @@
 namespace multum {
 
 struct BakePrinting {
-  bool quiet = false;    // print no text; also with --json
-  bool details = false;  // print the plan, times of levels and launches too
+  bool quiet = false;    // print no text; also set by --json
+  bool details = false;  // also print the plan, level times and launches
   std::FILE* out = stdout;
-  bool json = false;  // the command prints a document at its end
+  bool json = false;  // the command prints one JSON document at its end
 };
 
 void print_report(const BakeJob& job, const BakePrinting& printing, const BakeReport& report);
 
-/// The report as --json prints it: "output", then the keys of --report.
+/// Returns the report that --json prints: "output", then the keys of --report.
 OrderedJson bake_json(const BakeJob& job, const BakeReport& report);
-/// The entry of a map that failed: "output", "source", and why in "failed".
+/// Returns the entry of a map that failed: "output", "source", and the reason in "failed".
 OrderedJson failed_bake_json(const BakeJob& job, const std::string& error);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the subcommands of `multum`. Each function adds a subcommand to `app`, which sets *exit_code when it runs.
+// Declares the subcommands of `multum`. Each function adds a subcommand to `app`. The subcommand sets *exit_code.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -27,18 +27,18 @@ struct CommonOptions {
 int apply(const CommonOptions& options);
 void add_common_options(CLI::App& command, CommonOptions& options);
 
-/// The progress of a long command: a bar on a terminal, or the callback of a worker.
+/// Returns the progress of a long command: a bar on a terminal, or the callback of a worker.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
-/// Runs a command line and returns its exit code. Throws Error, Cancelled.
+/// Runs a command line and returns its exit code. Throws Error and Cancelled.
 int run_command(int argc, char** argv);
-/// Runs the words after the program's name; `callback` gets the progress. One call at a time.
+/// Runs a command line without the program's name; `callback` gets the progress. Only one call may run at a time.
 int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback);
 
-/// Folders for compiled kernels, as the environment names them.
+/// Returns the folders for compiled kernels that environment variables name.
 KernelCacheFolders kernel_cache_folders();
 
-/// The path of multum-view: next to multum, in a build folder and when installed; else the one in PATH.
+/// Returns the path of multum-view: next to multum (in a build folder and when installed), else in PATH.
 std::string find_viewer();
 
 void add_bake_command(CLI::App& app, int* exit_code);
@@ -65,18 +65,18 @@ void add_parameters_command(CLI::App& app, int* exit_code);
 void add_help_commands(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
 
-// The farm: tools/multum/farm, or no_farm.cpp in a build without it.
+// The commands of the farm are in tools/multum/farm. A build without the farm has no_farm.cpp instead.
 
 /// Throws Error(kUsage) if the words are not a valid command line of this program.
 using CheckWords = void (*)(const std::vector<std::string>& words);
 
 /// Registers the job types of the farm. Call it once, before any command.
 void register_jobs();
-/// serve, jobs, openjd; and refusals of former names.
+/// serve, jobs, openjd; refuses former command names.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
-/// Asks the service at `server` (empty: the default address) whether it works. Empty in a build without the farm.
+/// Asks the service at `server` (empty: the default address) whether it works. Returns no findings without the farm.
 DoctorFindings service_findings(const std::string& server);
-/// The schemas of docs/reference/openapi.json that follow from tables of the program, by name
+/// Returns the schemas of docs/reference/openapi.json that are made from tables of the program, by name
 /// (host/farm/service/http/job_schemas.h).
 nlohmann::ordered_json job_schemas();
 

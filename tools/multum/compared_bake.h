@@ -12,13 +12,13 @@
 
 namespace multum {
 
-/// The job that bakes the map of an export to `output` with the memory and the scratch folder of the export.
+/// Returns the job that bakes the map of an export to `output`, with the memory and scratch folder of the export.
 BakeJob compared_bake_job(const ExportJob& job, const std::string& output);
 
-/// Bakes a temporary file, which the destructor removes.
+/// Bakes into a temporary file. The destructor removes the file.
 class ComparedBake {
  public:
-  /// Bakes next to `page`. Throws like bake_file().
+  /// Bakes into the folder of `page`. Throws like bake_file().
   ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress);
   const std::string& path() const { return path_; }
 

@@ -30,9 +30,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
-constexpr std::uint64_t kMemoryLow = kGiB;  // a bake of 4096 x 4096 texels takes a third of it
-constexpr std::uint64_t kDiskLow = kGiB;    // a baked map of 4096 x 4096 texels has some 200 MiB
-// A trial takes a second; kernels that are compiled for the first time take up to a minute.
+constexpr std::uint64_t kMemoryLow = kGiB;  // a bake of 4096 x 4096 texels needs a third of this
+constexpr std::uint64_t kDiskLow = kGiB;    // a baked map of 4096 x 4096 texels is about 200 MiB large
+// A trial takes a second. If kernels must be compiled first, it takes up to a minute.
 constexpr std::chrono::minutes kTrialTime{5};
 
 struct FolderSize {
@@ -60,7 +60,7 @@ DoctorFinding cache_finding(const std::string& folder, const std::string& what, 
   if (folder.empty())
     return {DoctorState::kWarning, "cache", fmt::format("{}: switched off, kernels are compiled in every run", what),
             fmt::format("Unset {}, or set it to a folder that can be written.", variable)};
-  // Opening devices puts a private folder in the place of one that cannot be written (kernel_caches.h).
+  // Opening a device replaces a folder that cannot be written by a private folder (kernel_caches.h).
   const char* const used = std::getenv(variable.c_str());
   if (used != nullptr && used != folder)
     return {DoctorState::kWarning, "cache",
@@ -90,7 +90,7 @@ std::string last_line(const std::string& text) {
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? -1 : begin));
 }
 
-// Why a child failed, in one line; empty if it succeeded.
+// Returns the reason why a child failed, in one line; empty if it succeeded.
 std::string failure_of(const ChildResult& child) {
   if (child.is_over_time) return "it took longer than five minutes";
   if (child.signal != 0) return fmt::format("it was ended by signal {}", child.signal);
@@ -184,12 +184,12 @@ DoctorFindings cache_findings(const KernelCacheFolders& folders) {
 DoctorFindings decoder_findings() {
   const std::string program = decoder_beside_this_program();
   if (access(program.c_str(), X_OK) != 0)
-    return {{DoctorState::kFailure, "decoder", fmt::format("{}: not there, images cannot be read", program),
+    return {{DoctorState::kFailure, "decoder", fmt::format("{}: is missing, so images cannot be read", program),
              "Install multum-decode next to multum; both must be of the same build."}};
   if (!can_confine())
     return {{DoctorState::kWarning, "decoder",
-             "files are decoded in a child process with limits of memory and time, but this kernel cannot confine it",
-             "Read files of strangers only where the kernel has Landlock (Linux 5.13 and later)."}};
+             "files are decoded in a child process with limited memory and time, but this kernel cannot confine it",
+             "Read untrusted files only where the kernel has Landlock (Linux 5.13 and later)."}};
   return {{DoctorState::kFine, "decoder", "files are decoded in a confined child process", ""}};
 }
 
@@ -221,7 +221,7 @@ DoctorFindings trial_findings(const DoctorSettings& settings, const std::string&
   if (!failure.empty())
     return {{DoctorState::kFailure, "bake", "a map of 32 x 32 texels: " + failure,
              "Run `multum selftest`: it names the kernels that this driver computes wrongly."},
-            {DoctorState::kAbsent, "GL", "not tried: nothing was baked that could be drawn", ""}};
+            {DoctorState::kAbsent, "GL", "not tried, because no map was baked", ""}};
   DoctorFindings findings = {
       {DoctorState::kFine, "bake", fmt::format("a map of 32 x 32 texels, in {:.1f} s", seconds), ""}};
   const DoctorFindings contexts = context_findings(settings, folder);
@@ -246,10 +246,10 @@ DoctorFindings program_findings(const std::string& folder) {
   } catch (const Error&) {
     has_ffmpeg = false;
   }
-  if (has_ffmpeg) findings.push_back({DoctorState::kFine, "programs", "ffmpeg: pages get moving pictures", ""});
+  if (has_ffmpeg) findings.push_back({DoctorState::kFine, "programs", "ffmpeg: pages contain videos", ""});
   else
     findings.push_back({DoctorState::kAbsent, "programs", "ffmpeg: not installed",
-                        "Needed only for moving pictures on the pages of `multum export --page`."});
+                        "Needed only for videos on the pages of `multum export --page`."});
   return findings;
 }
 

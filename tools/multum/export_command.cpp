@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: writes a normal map as a material of one lobe per texel, which engines load without a new shader.
+// multum export: writes a normal map as a material with one lobe per texel. Engines load it without a new shader.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,10 +38,10 @@ struct ExportOptions {
   ExportJob job;
   ParameterValues values{export_parameters()};
   std::vector<std::string> inputs;
-  std::string manifest;  // empty: another mode
+  std::string manifest;  // empty: the command runs in another mode
   bool check = false, dry_run = false;
   std::string shard_text;
-  WorkShard shard;  // of several maps
+  WorkShard shard;  // share of several maps
 };
 
 const char* finding_name(ExportFinding finding) {
@@ -54,7 +54,7 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// Throws Error(kUsage): options about reading a map mean nothing for a baked file, whose normals are decoded.
+// Throws Error(kUsage) for options about reading a map: they have no effect on a baked file, whose normals are decoded.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))
@@ -92,14 +92,14 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
 }
 
-// "output", then the keys of --report.
+// Returns "output", then the keys of --report.
 OrderedJson export_json(const ExportJob& job, const ExportReport& report) {
   OrderedJson json = {{"output", path_json(job.output)}};
   json.update(parsed(report.to_json(job)));
   return json;
 }
 
-// Exports each map; one that fails does not stop the others. Returns the exit code of the first failure.
+// Exports each map. A map that fails does not stop the others. Returns the exit code of the first failure.
 int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& common, Device& device) {
   int code = 0;
   std::size_t failed = 0;
@@ -132,7 +132,7 @@ struct ManifestCounts {
   OrderedJson maps = OrderedJson::array();
 };
 
-// Exports one map of a manifest; findings of a check go to stderr.
+// Exports one map of a manifest. Prints findings of --check to stderr.
 void export_of_manifest(const ManifestExport& map, const ExportOptions& o, Device& device, ManifestCounts& counts) {
   const auto progress = make_progress(o.common);
   const ManifestExportResult result = run_manifest_export(map, o.dry_run, device, progress.get());
@@ -165,7 +165,7 @@ int run_export_manifest(const ExportOptions& o) {
       const Error error = caught_error(maps[i].job.input);
       print_shown(stderr, "multum: %s\n", error.what());
       counts.maps.push_back({{"name", maps[i].name}, {"state", "failed"}, {"why", error.what()}});
-      // A setting that does not fit its map is an error of the manifest, a file, and not of the command line.
+      // A setting that does not fit its map is an error in the manifest file, not in the command line.
       if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());
     }
   }
@@ -298,10 +298,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "rg8 and bc store only x and y of normals; the shader rebuilds z = sqrt(1 - x^2 - y^2). bc stores normals as\n"
       "BC5, roughness textures as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
       "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
-      "--smoothness has metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
+      "--smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
       "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe. --resume\n"
-      "keeps its rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md has the steps for\n"
-      "each engine.");
+      "keeps fitted rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md lists the steps\n"
+      "for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

@@ -31,7 +31,7 @@
 namespace multum {
 namespace {
 
-// Rounds floats to the numbers that a person gave: 0.00999999977 becomes 0.01.
+// Rounds floats to the decimal number that the user gave: 0.00999999977 becomes 0.01.
 std::string rounded_settings(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return text;
@@ -53,7 +53,7 @@ std::string size_text(std::uint64_t bytes) {
   return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
 }
 
-// The lines of `multum info` that depend on the representation: contents of texels and losses of the encoding.
+// The lines of `multum info` that depend on the representation: texel contents and encoding losses.
 struct InfoKind {
   Representation representation;
   std::string (*texels)(const std::string& path, const BakedHeader& file);
@@ -115,7 +115,7 @@ const InfoKind& info_kind(Representation representation) {
   return kInfoKinds[0];
 }
 
-// The size on the GPU, compared with BC5 and BC4 textures of the same map.
+// Returns the size on the GPU, compared with BC5 and BC4 textures of the same map.
 std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
   const std::uint64_t by_default = default_gpu_bytes(file.width, file.height);
   return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
@@ -123,7 +123,7 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
-// The findings of the bake about its source files; empty for files of earlier programs.
+// Returns what the bake found in its source files; empty for files that earlier versions wrote.
 std::string reading_text(const std::string& reading) {
   const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
   if (!json.is_object()) return "";
@@ -203,7 +203,7 @@ int print_info(const std::string& path) {
   return 0;
 }
 
-// The findings of verify about a baked file or a packed field.
+// Returns the findings of verify about a baked file or a packed field.
 std::vector<VerifyFinding> findings_of(const std::string& path, int threads) {
   const std::optional<std::vector<VerifyFinding>> of_field = packed_field_findings(path);
   return of_field ? *of_field : verify_baked(path, threads);
@@ -313,7 +313,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
       ->add_option("prefix,-o,--output", options->prefix,
                    "prefix of the files to write: PREFIX_normal.png and PREFIX_albedo.png")
       ->required();
-  testmap->add_option("--size", options->size, "set the texels per side: even, 16 to 32768")
+  testmap->add_option("--size", options->size, "set the even number of texels per side")
       ->check(CLI::Range(16, 32768))
       ->capture_default_str();
   testmap->add_option("--seed", options->seed, "set the seed of the noise quarter")->capture_default_str();

@@ -18,7 +18,7 @@ struct ManOptions {
   bool markdown = false, json = false;
 };
 
-// The answer of multum-view to the same command, which describes its own command line; empty if it is not installed.
+// Runs the same command of multum-view, which describes its own command line. Returns "" if it is not installed.
 std::string answer_of_viewer(const std::vector<std::string>& words) {
   std::vector<std::string> command = {find_viewer()};
   command.insert(command.end(), words.begin(), words.end());

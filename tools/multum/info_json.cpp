@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// Attributes that hold JSON, as JSON; any other text as a text; null for an empty one.
+// Parses an attribute that holds JSON. Returns any other text as a string, and null for an empty text.
 OrderedJson attribute_json(const std::string& text) {
   if (text.empty()) return nullptr;
   OrderedJson json = OrderedJson::parse(text, nullptr, false);

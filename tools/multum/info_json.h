@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// The header of a baked file or a pyramid. Throws Error(kInput) for a file that cannot be read.
+/// Describes the header of a baked file or a pyramid. Throws Error(kInput) for a file that cannot be read.
 OrderedJson baked_file_json(const std::string& path);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the result of a command as JSON (--json): one document on stdout, and nothing else there.
+// Prints the result of a command as JSON (--json): one document on stdout, and nothing else on stdout.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,22 +14,22 @@ namespace multum {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// Heading of the options that most commands share.
+/// Heading for the options that most commands share.
 inline constexpr char kCommonGroup[] = "Common";
 
-/// Adds --json to a command without common options.
+/// Adds --json to a command that has no common options.
 CLI::Option* add_json_option(CLI::App& command, bool& json);
 
-/// True if the command prints text for people: neither --quiet nor --json was given.
+/// True if the command prints human-readable text: neither --quiet nor --json was given.
 inline bool prints_text(const CommonOptions& options) { return !options.quiet && !options.json; }
 
 /// Prints the document, indented, with control characters escaped.
 void print_json(const OrderedJson& json);
 
-/// The parsed document of a text that this program made.
+/// Parses a JSON text that this program made.
 OrderedJson parsed(const std::string& json_text);
 
-/// A path as a JSON text; bytes that are not UTF-8 are encoded (host/foundation/base/path_text.h).
+/// Returns a path as a JSON string; bytes that are not UTF-8 are encoded (host/foundation/base/path_text.h).
 OrderedJson path_json(const std::string& path);
 
 }  // namespace multum

@@ -75,8 +75,8 @@ void add_look_command(CLI::App& app, int* exit_code) {
   command->add_option("--base-roughness", o.job.base_roughness, "set one perceptual roughness for the whole surface")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
-  command->add_flag("--same-source", o.job.same_source, "refuse a normal map that is not the baked one");
-  command->add_flag("--no-open", o.stays_closed, "write the page without opening it");
+  command->add_flag("--same-source", o.job.same_source, "refuse a normal map other than the baked one");
+  command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
                       "use this OpenCL device: its number in `multum devices`, or a part of its name");
   add_common_options(*command, o.common);
@@ -87,12 +87,14 @@ void add_look_command(CLI::App& app, int* exit_code) {
       "  multum look bricks.ndf.exr --source bricks_n.png -o look.html --base-roughness 0.2 --no-open\n"
       "The page needs WebGL 2 and no network. It shows two methods at a time with a divider between them. \"Measure\n"
       "error\" compares both with the map, drawn with 144 samples per pixel.\n\n"
-      "Files dropped onto the page stay in the browser: a baked file of lobes (compression none, rle, zips or zip;\n"
-      "at most 2048 texels per side; drop its normal map too if it leaves out level 0), a KTX2 file of `multum\n"
-      "export --lobes` without --zstd, a normal map of the same size with 8 bits per channel, or a model\n"
-      "(NAME.glb, or NAME.gltf with its files; at most a million triangles, no required extensions). A dropped\n"
-      "baked file has no one-lobe export. --source maps have at most 2048 texels per side; all maps together have\n"
-      "at most 4 times 2048 x 2048 texels.");
+      "Files dropped onto the page stay in the browser:\n"
+      "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side); drop its normal\n"
+      "  map too if it leaves out level 0\n"
+      "- a KTX2 file of multum export --lobes without --zstd\n"
+      "- a normal map of the same size with 8 bits per channel\n"
+      "- a model: NAME.glb, or NAME.gltf with its files (at most a million triangles, no required extensions)\n\n"
+      "A dropped baked file has no one-lobe export. --source maps may have 2048 texels per side, and all maps\n"
+      "together 4 times 2048 x 2048 texels.");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });
 }
 

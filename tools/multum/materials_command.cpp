@@ -114,7 +114,7 @@ OrderedJson materials_json(const GltfMaterials& model) {
   return rows;
 }
 
-// Writes maps.toml; returns its path and its number of maps.
+// Writes maps.toml. Returns its path and the number of maps in it.
 std::pair<std::string, std::size_t> write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
   const auto has_map = [](const GltfMaterial& material) { return material.normal.has_value(); };
   if (std::none_of(model.materials.begin(), model.materials.end(), has_map))

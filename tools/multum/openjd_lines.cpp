@@ -75,7 +75,7 @@ std::unique_ptr<Progress> make_openjd_progress() {
   const auto signals = std::shared_ptr<Progress>(make_terminal_progress(false));
   return std::make_unique<Progress>([signals, printer = std::make_shared<OpenJdPrinter>()](const ProgressEvent& event) {
     printer->show(event);
-    // finish() ignores a returned false, but not an exception: a cancel at the very end comes too late.
+    // finish() ignores a returned false, but not an exception: when the work is done, it is too late to cancel.
     try {
       signals->advance(0);
     } catch (const Cancelled&) {

@@ -11,17 +11,17 @@
 
 namespace multum {
 
-/// Turns these lines on for the process.
+/// Turns on progress lines for this process.
 void begin_openjd_lines();
 bool has_openjd_lines();
 
-/// The next long call is number `part`, from 0, of several similar calls: percentages count all of them.
+/// Announces that the next long call is number `part`, from 0, of several calls. Percentages cover all of them.
 void openjd_part(std::size_t part, std::size_t of);
 
-/// Progress that prints at most one line per second. Ctrl-C and SIGTERM cancel.
+/// Returns a Progress that prints at most one line per second. Ctrl-C and SIGTERM cancel it.
 std::unique_ptr<Progress> make_openjd_progress();
 
-/// Prints the end of the task: 100 %, or the reason of its failure in one line.
+/// Prints that the task has ended: 100 %, or one line with the reason why it failed.
 void print_openjd_success();
 void print_openjd_failure(const std::string& why);
 

@@ -49,7 +49,7 @@ Json row_json(const Parameter& row) {
   return json;
 }
 
-// All tables, and the schemas of jobs that follow from them (docs/reference/openapi.json).
+// Returns all tables, and the job schemas that are made from them (docs/reference/openapi.json).
 nlohmann::ordered_json all_json() {
   nlohmann::ordered_json json = {{"commands", nlohmann::ordered_json::object()}, {"schemas", job_schemas()}};
   for (const ParameterTable* table : parameter_tables())
@@ -81,7 +81,7 @@ int run_parameters(const ParametersOptions& o) {
 void add_parameters_command(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ParametersOptions>();
   CLI::App* command = app.add_subcommand(
-      "parameters", "list the parameters of commands, manifests and jobs: values, defaults, meaning");
+      "parameters", "list the parameters of commands, manifests and jobs with values, defaults and meaning");
   std::vector<std::string> names;
   for (const ParameterTable* table : parameter_tables()) names.push_back(table->command());
   command->add_option("command", o->command, "list only the parameters of this command")->check(CLI::IsMember(names));

@@ -149,7 +149,7 @@ int run_reflectance(ReflectanceOptions& o) {
   char rest = 0;
   if (std::sscanf(brdf.c_str(), "blinn-phong:%f%c", &job.exponent, &rest) != 1)
     throw Error(ErrorCode::kUsage, "--brdf is '" + brdf + "', expected blinn-phong:S with S from 1 to 100000");
-  validate(o.job);  // before a device is looked for
+  validate(o.job);  // before a device is searched
   Device device = Device::when_needed(device_of(values));
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, PyramidKind::kReflectance,
@@ -170,8 +170,7 @@ void add_mip(CLI::App& app, int* exit_code) {
 void add_reflectance(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ReflectanceOptions>();
   CLI::App* command = app.add_subcommand(
-      "reflectance",
-      "bake lights into a mip-mapped map over normals, for highlights on curved surfaces without aliasing");
+      "reflectance", "bake lights into a mip-mapped map over normals, for alias-free highlights on curved surfaces");
   add_output_option(*command, o->job.output);
   add_parameter_options(*command, o->values);
   add_common_options(*command, o->common);
@@ -185,7 +184,7 @@ void add_lod(CLI::App& app, int* exit_code) {
   o->job.encoding = StorageEncoding::kFloat;
   o->job.wrap_s = o->job.wrap_t = WrapMode::kClamp;
   CLI::App* lod = app.add_subcommand("lod", "make a pyramid of levels of detail from heights or a grid of positions");
-  lod->add_option("image", o->job.input, "heights (integers count as 0 to 1), or x, y, z of a grid of points")
+  lod->add_option("image", o->job.input, "heights (integers become 0 to 1), or x, y, z of a grid of points")
       ->required();
   add_output_option(*lod, o->job.output);
   add_parameter_options(*lod, o->values);

@@ -23,14 +23,14 @@
 namespace multum {
 namespace {
 
-// $XDG_CACHE_HOME, or ~/.cache; empty if neither variable is set.
+// Returns $XDG_CACHE_HOME, or ~/.cache; empty if neither $XDG_CACHE_HOME nor $HOME is set.
 std::string user_cache_folder() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') return xdg;
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::string(home) + "/.cache";
   return "";
 }
 
-// The progress callback of the command that a worker runs; one at a time.
+// Returns the progress callback of the command that a worker runs. Only one command runs at a time.
 Progress::Callback& listener() {
   static Progress::Callback callback;
   return callback;
@@ -38,7 +38,7 @@ Progress::Callback& listener() {
 
 void check_words(const std::vector<std::string>& words);
 
-// Puts the commands that `add` adds under a heading of the help.
+// Puts the commands of `add` under a heading in the help text.
 void add_group(CLI::App& app, const std::string& heading, const std::function<void()>& add) {
   const std::size_t before = app.get_subcommands({}).size();
   add();
@@ -75,7 +75,7 @@ void add_commands(CLI::App& app, int* exit_code) {
   });
 }
 
-// Parses the words of a command without running it. Throws Error(kUsage).
+// Parses the words of a command without running it. Throws Error(kUsage) for a wrong command line.
 void check_words(const std::vector<std::string>& words) {
   CLI::App app("", "multum");
   app.require_subcommand(1);
@@ -123,7 +123,8 @@ int run_command(int argc, char** argv) {
   }
   if (has_openjd_lines() && exit_code == 0) print_openjd_success();
   else if (has_openjd_lines()) print_openjd_failure("exit code " + std::to_string(exit_code) + "; stderr says why");
-  // Results count as given only when they reached stdout: a full disk or a closed pipe must not end in exit code 0.
+  // A command has succeeded only if its results reached stdout: a full disk or a closed pipe must not return exit code
+  // 0.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return exit_code;
@@ -140,8 +141,8 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
   return run_command(count, argv.data());
 }
 
-// $MULTUM_CACHE_DIR, whose empty value turns the cache off, or the folder "multum" in the user's cache. PoCL finds its
-// own cache in the same way.
+// Uses $MULTUM_CACHE_DIR, or the folder "multum" in the user's cache. An empty $MULTUM_CACHE_DIR turns the cache off.
+// PoCL finds its cache in the same way.
 KernelCacheFolders kernel_cache_folders() {
   const char* programs = std::getenv("MULTUM_CACHE_DIR");
   const char* pocl = std::getenv("POCL_CACHE_DIR");

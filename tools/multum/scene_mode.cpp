@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidthDefault = 100;
 
-// The width of the terminal on stdout, or kWidthDefault.
+// Returns the width of the terminal on stdout, or kWidthDefault.
 int terminal_width() {
   winsize size{};
   return isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
@@ -45,12 +45,12 @@ struct PlanOptions {
   CommonOptions common;
   std::string scene, output;
   int width = 0;
-  ParameterValues values{bake_parameters()};  // of one map
+  ParameterValues values{bake_parameters()};  // parameters of one map
   int shares = 0;
   double share_seconds = -1.0;
 };
 
-// Throws Error(kUsage) for an image, which many users would plan first.
+// Throws Error(kUsage) for an image, because many users would first try to plan an image.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
     throw Error(
@@ -149,7 +149,7 @@ int run_scene_merge(const SceneRun& run, int count, const CommonOptions& common,
 }  // namespace
 
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
-  // Parameters that apply to all maps at once.
+  // Parameters that the command line sets for all maps at once.
   static const std::set<std::string> kOfTheScene = {"memory", "device", "scalar",  "scratch",
                                                     "force",  "resume", "runstats"};
   for (const CLI::Option* option : bake.get_options()) {
@@ -217,7 +217,7 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(60, 1000));
   add_decoding_option(*plan);
   add_common_options(*plan, options->common);
-  // The options of multum bake: shares of one map depend on its fit.
+  // Adds the options of multum bake, because shares of one map depend on the fit settings.
   add_parameter_options(*plan, options->values);
   plan->callback([plan, options, exit_code] { *exit_code = run_plan(*plan, *options); });
 }

@@ -11,16 +11,17 @@
 
 namespace multum {
 
-/// Throws Error(kUsage) for options of one map: the scene sets them for its maps.
+/// Throws Error(kUsage) for options of one map, because the scene sets them for its maps.
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene);
 
-/// The part of a bake: all of it, some shares, or the merge of all shares.
+/// The part of a bake to run: everything, some shares, or the merge of all shares.
 struct SceneDivision {
   std::optional<WorkShard> shares;
   int merged_shards = 0;  // 0: none
 };
 
-/// `pattern` has the settings of the command line for every map; its output is the folder. Returns the exit code.
+/// `pattern` holds the settings that the command line gives to every map; its output is a folder. Returns the exit
+/// code.
 int run_scene(const std::string& scene, BakeJob pattern, const DeviceChoice& device, const CommonOptions& common,
               const BakePrinting& printing, const SceneDivision& division);
 

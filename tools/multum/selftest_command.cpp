@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest: runs the numerical cases of the kernels on the device and driver of the user.
+// multum selftest: runs the numerical test cases of the kernels on the user's device and driver.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -47,7 +47,7 @@ int run_selftest_command(SelftestCommandOptions options) {
   options.selftest.without_guards = options.selftest.without_guards || !options.markdown.empty();
   const Stopwatch stopwatch;
   std::vector<NumericalRun> runs;
-  if (!options.with.empty()) runs.push_back(read_run(options.with));  // before the long work
+  if (!options.with.empty()) runs.push_back(read_run(options.with));  // read before the long work
   Device device = Device::open(options.device);
   const auto progress = make_progress(options.common);
   const NumericalRun run = run_selftest(device, options.selftest, progress.get());
@@ -77,7 +77,7 @@ int run_selftest_command(SelftestCommandOptions options) {
 void add_selftest_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<SelftestCommandOptions>();
   CLI::App* selftest =
-      app.add_subcommand("selftest", "run the numerical hard cases of the kernels on a device, to check its driver");
+      app.add_subcommand("selftest", "run numerically hard test cases of the kernels on a device, to check its driver");
   selftest->add_option("--device", options->device,
                        "use this OpenCL device: its number in `multum devices`, or a part of its name");
   selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
@@ -87,7 +87,7 @@ void add_selftest_command(CLI::App& app, int* exit_code) {
   selftest->add_option("--markdown", options->markdown,
                        "write docs/contributing/STABILITY.md to this file; implies --without-guards");
   selftest->add_option("--with", options->with,
-                       "with --markdown: read the verdicts about the GL from this file of gl_stability_test");
+                       "with --markdown: read the verdicts about GL from this file, which gl_stability_test wrote");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum shaders: writes the shading of lobes for engines, one file per language, with its textures, and the npm
-// package
+// multum shaders: writes the shading of lobes for engines: one file per language, its textures, and the npm package
 // @multum/three.
 #include <fmt/format.h>
 
@@ -30,7 +29,7 @@ struct ShadersOptions {
 
 std::string json_string(std::string_view text) { return nlohmann::json(std::string(text)).dump(); }
 
-/// A module for three.js and other programs that take GLSL as a string.
+/// Returns a module for three.js and other programs that accept GLSL as a string.
 std::string javascript_module() {
   const auto& fetching = lobe_texture_shaders();
   std::string numbers;
@@ -46,7 +45,7 @@ std::string javascript_module() {
       json_string(fetching.at("surface/lobes.glsl")), kGgxLobeTableSide, kGgxLobeTableSide, numbers);
 }
 
-/// Writes a texture of one level.
+/// Writes a texture with one level.
 void write_texture(const std::string& path, TexelFormat format, int side, const void* texels) {
   const auto file = make_ktx2_file(path, {format, side, side, 1});
   file->write_rows(0, side, texels);

@@ -8,13 +8,13 @@
 
 namespace multum {
 
-/// The shading of lobes in every language, made by tools/shading_languages.py, by file name.
+/// Returns the shading of lobes in every language, by file name. tools/shading_languages.py makes the files.
 const std::map<std::string, std::string_view>& shading_files();
 
-/// GLSL that fetches lobes from textures of `multum export --lobes`, by path in runtime_gl/shaders.
+/// Returns the GLSL that fetches lobes from textures of `multum export --lobes`, by path in runtime_gl/shaders.
 const std::map<std::string, std::string_view>& lobe_texture_shaders();
 
-/// The npm package @multum/three without multum_lobes.js, by file name.
+/// Returns the files of the npm package @multum/three except multum_lobes.js, by file name.
 const std::map<std::string, std::string_view>& three_package_files();
 
 }  // namespace multum

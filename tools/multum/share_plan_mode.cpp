@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t kTexelsMax = std::int64_t{1} << 30;
 
-// Reads the size from the first bytes of the file if its format allows, else by a library in a child process.
+// Reads the size from the first bytes of the file if the format allows it, else with a library in a child process.
 std::pair<int, int> map_size(const std::string& path) {
   const ImageContainer container = inspect_image_container(path, kTexelsMax);
   if (container.width > 0) return {static_cast<int>(container.width), static_cast<int>(container.height)};
@@ -39,7 +39,7 @@ BakeShape shape_of(const BakeJob& job) {
   shape.encoding = job.encoding;
   shape.first_level = job.fitting.first_level;
   shape.has_colours = !job.albedo.empty();
-  shape.weight_count = job.weights.empty() ? 0 : 4;  // the most that a file can have
+  shape.weight_count = job.weights.empty() ? 0 : 4;  // the maximum number in a file
   shape.exponent_count = job.measure ? static_cast<int>(job.measured_exponents.size()) : 0;
   return shape;
 }

@@ -28,7 +28,7 @@ struct TradeoffOptions {
   bool quick = false, full = false, no_pictures = false;
 };
 
-// Parameters of reading the map; the sweep sets the parameters of the bake.
+// Returns the parameters for reading the map. The sweep sets the parameters of the bake.
 std::vector<std::string> parameters_of_the_map() {
   std::vector<std::string> names = {"device"};
   for (const Parameter& row : bake_parameters().rows())
@@ -88,11 +88,11 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->excludes(error);
   command
       ->add_option("--max-bytes", o->job.bytes_max,
-                   "exclude settings that take more memory on the GPU, such as 33M (MiB)")
+                   "exclude settings that need more GPU memory than this, such as 33M (MiB)")
       ->transform(CLI::AsSizeValue(false));
-  command->add_option("--max-frame-ms", o->job.frame_ms_max, "exclude settings whose frame takes longer")
+  command->add_option("--max-frame-ms", o->job.frame_ms_max, "exclude settings whose frame time is above this (ms)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--max-bake-ms", o->bake_ms_max, "exclude settings whose bake takes longer")
+  command->add_option("--max-bake-ms", o->bake_ms_max, "exclude settings whose bake time is above this (ms)")
       ->check(CLI::PositiveNumber);
   CLI::Option* const brdf =
       command
@@ -104,7 +104,8 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->add_flag("--full", o->full,
                  "run about 65 bakes: harmonics up to order 20, and longer fits for every number of lobes")
       ->excludes(quick);
-  command->add_flag("--no-pictures", o->no_pictures, "draw no pictures: without frame times and rendered errors");
+  command->add_flag("--no-pictures", o->no_pictures,
+                    "draw no pictures; frame times and rendered errors are then missing");
   command->add_option("--context", o->job.context, "draw with this GL: auto, osmesa (software) or egl")
       ->check(CLI::IsMember(choice_names(kContextBackends)))
       ->capture_default_str();
@@ -116,8 +117,8 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       "Example:\n"
       "  multum tradeoff bricks_normal.png -o costs.html --max-bytes 33M\n"
       "The limits --max-bytes, --max-frame-ms and --max-bake-ms may be combined with each other and with\n"
-      "--target-error. With limits only, the most accurate settings within them are chosen. Excluded settings are\n"
-      "struck out.");
+      "--target-error. Without a target, the most accurate settings within the limits are chosen. Excluded\n"
+      "settings are struck out.");
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });
 }
 

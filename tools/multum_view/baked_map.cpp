@@ -60,7 +60,7 @@ struct MaterialMaker {
   const gl::GlFunctions& gl;
   const ShadingOptions& options;
   const gl::NormalImage& source;
-  const LobeTexture* texture;  // null: lobes as stored in the baked file
+  const LobeTexture* texture;  // null: the lobes come from the baked file
 
   std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);
@@ -113,7 +113,7 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 
 namespace {
 
-// Tan's model supports one BRDF, and lights but no environment.
+// Tan's model supports only one BRDF, and lights but no environment.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected this only with files of "
@@ -126,8 +126,8 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
   if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
 }
 
-// A map baked with roughness holds the BRDF's width per texel; brute force and the paper's formula support only one
-// BRDF.
+// A map that was baked with roughness stores the BRDF's width per texel. Brute force and the paper's formula support
+// only one BRDF for the whole map.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
     throw Error(ErrorCode::kUsage, file + ": was baked with roughness (multum:roughness), found --brdf, expected none");
@@ -174,8 +174,8 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
       representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
-  return "--environment: in its light, lean and lean-jacobian are drawn like toksvig, with one lobe around the mean "
-         "normal";
+  return "--environment: under this light, lean and lean-jacobian are drawn like toksvig, with one lobe around the "
+         "mean normal";
 }
 
 }  // namespace multum

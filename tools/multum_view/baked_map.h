@@ -29,23 +29,23 @@ BakedMap read_baked_map(const std::string& path);
 /// Keeps only the stored levels, as if the map had no finer ones. Does not change BakedMap::header.
 void keep_stored_levels(BakedMap& map);
 
-/// Returns level 0, which must be stored, as normals.
+/// Returns level 0 as normals. Level 0 must be stored.
 gl::NormalImage finest_normals(const BakedMap& map);
 
-/// Makes a material that shades as the options say. `source` replaces levels that the file leaves out.
+/// Makes a material that shades as the options say. Levels that the file leaves out come from `source`.
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
                                             const ShadingOptions& options, const gl::NormalImage& source);
 
-/// Throws Error(kUsage) naming `file` if an option is for files of another representation. `compares`: --compare is
-/// given.
+/// Throws Error(kUsage), naming `file`, if an option is meant for files of another representation. `compares`: true if
+/// --compare was given.
 void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
                       const BakedHeader& baked);
 
-/// Returns a note if moments or LEAN maps are drawn in an environment, which uses only their Toksvig normals; else
-/// returns an empty text.
+/// Returns a note if moments or LEAN maps are drawn in an environment, which uses only their Toksvig normals. Otherwise
+/// returns an empty string.
 std::string environment_note(const MapOptions& options, const BakedHeader& baked);
 
-/// The default for files of moments: the shading with the lowest error on most maps, as measured by the bakes
+/// The default shading for files of moments. In measured bakes it has the lowest error on most maps
 /// (docs/contributing/ALGORITHMS.md, "Moments").
 constexpr gl::MomentShading kDefaultMomentShading = gl::MomentShading::kLeanJacobian;
 

@@ -62,9 +62,9 @@ const ViewCommand kOwnCommands[] = {
      "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
      "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
-     "environment_processor_ms in the report is the processor time for the light of a frame. made: its maps, for\n"
-     "the first and last frame a whole environment, for others their mixture. set: uploads, and with\n"
-     "--environment-mode sh the harmonics over the half vectors of the frame.",
+     "environment_processor_ms in the report is the processor time for the light of a frame. made is the time\n"
+     "for its maps: a whole environment for the first and last frame, else a mixture of both. set is the time for\n"
+     "uploads and, with --environment-mode sh, harmonics over the half vectors of the frame.",
      add_animate_options, run_animate},
     {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
@@ -89,8 +89,8 @@ const ViewCommand kOwnCommands[] = {
     {"each", "Run several command lines in one process, so that GL is loaded once",
      "  multum-view each views.json\n\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
-     "It stops at the first command line that fails and returns its exit code. Loading GL takes about 50 ms of\n"
-     "processor time per picture in software.",
+     "The first command line that fails ends the run with its exit code. Loading software GL takes about 50 ms\n"
+     "of processor time per picture.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
      [](const CommandOptions& o) { return run_each(o.each); }}};
 
@@ -98,7 +98,7 @@ const std::vector<ViewCommand>& view_commands() {
   static const std::vector<ViewCommand> commands = [] {
     std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
     const std::vector<ViewCommand> more = field_commands();
-    all.insert(all.begin() + 2, more.begin(), more.end());  // after scene and animate
+    all.insert(all.begin() + 2, more.begin(), more.end());  // inserted after scene and animate
     return all;
   }();
   return commands;
@@ -113,20 +113,20 @@ const char* const kExamples =
     "sheet.png\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
     "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the same filter. points,\n"
-    "toksvig-points and so on shade them at as many points of each pixel as the map takes evaluations. On a mesh,\n"
-    "all add the variance of its normals within a pixel. Under --environment, lean is the same as toksvig. For a\n"
-    "file with roughness, the points pictures use unit normals and a roughness map whose levels are averages of\n"
-    "perceptual roughness, as engines do. The reference is read with the settings of the bake: a wrong --green is\n"
-    "wrong in both unless it is given here.\n\n"
-    "--evaluations: where the normals under a pixel are alike, evaluations go to points with one lobe each;\n"
-    "elsewhere they go to lobes, at as many points as are left. If a texel has more lobes than evaluations, the\n"
-    "most alike are merged. On a mesh, lobes are read at 2 x 2 places of the pixel and turned by the frame of\n"
-    "each. The default is 0 with --shade-taps, --shade-first, --formula paper and --reference-of texels, and for\n"
-    "one lobe, planar Gaussians, moments and harmonics.\n\n"
-    "--anisotropy: the software renderer of Mesa 22.3 draws the same for 2, 4 and 16, and filters maps whose sides\n"
-    "are not powers of two wrongly above 1.\n\n"
-    "Options about reading the map, from --bumpformat to --repair-max, apply to --source. Their default is the\n"
-    "reading of the bake.";
+    "toksvig-points and so on shade the averaged normals at several points of each pixel: as many as the baked map\n"
+    "needs evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
+    "--environment, lean is the same as toksvig. For a file with roughness, the points pictures use unit normals\n"
+    "and a roughness map whose levels average perceptual roughness, as in engines. The reference is read with the\n"
+    "settings of the bake, so a wrong --green affects both unless --green is given here.\n\n"
+    "--evaluations: where the normals under a pixel are similar, each evaluation shades one lobe at its own point;\n"
+    "elsewhere evaluations shade several lobes at fewer points. If a texel has more lobes than evaluations, the\n"
+    "most similar lobes are merged. On a mesh, lobes are read at 2 x 2 places of the pixel and rotated by the\n"
+    "surface frame at each place. The default is 0 with --shade-taps, --shade-first, --formula paper and\n"
+    "--reference-of texels, and for one lobe, planar Gaussians, moments and harmonics.\n\n"
+    "--anisotropy: the software renderer of Mesa 22.3 draws 2, 4 and 16 alike, and then filters maps\n"
+    "wrongly if their sides are not powers of two.\n\n"
+    "Options about reading the map, from --bumpformat to --repair-max, apply to --source. Their defaults are\n"
+    "the settings of the bake.";
 
 void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
@@ -152,7 +152,7 @@ struct HelpOptions {
   bool markdown = false;
 };
 
-// Hidden commands: multum completion and multum man call them.
+// Adds hidden commands that multum completion and multum man call.
 void add_help_commands(CLI::App& app, HelpOptions& o) {
   CLI::App* const completion = app.add_subcommand("completion", "")->group("");
   completion->add_option("shell", o.shell)->required()->check(CLI::IsMember(kShells));
@@ -167,7 +167,7 @@ void run_help_command(const CLI::App& app, const std::string& command, const Hel
   else write_man_pages(app, o.folder);
 }
 
-/// The message about a misspelt subcommand, if the word names no file; else empty.
+/// Returns the message about a misspelt subcommand, if no file has that name; else an empty string.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -180,7 +180,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// The message about an option that only subcommands have; else empty.
+/// Returns the message about an option that only subcommands have; else an empty string.
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));
@@ -202,8 +202,8 @@ std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("{}: {}\nSee '{} --help'.\n", program, text, program);
 }
 
-/// The subcommand that runs; empty: a baked map is drawn. Throws Error(kUsage) for options before a subcommand, which
-/// would have no effect.
+/// Returns the subcommand to run, or an empty string to draw a baked map. Throws Error(kUsage) for options before a
+/// subcommand, because they would have no effect.
 std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
   if (app.get_subcommands().empty()) {
     if (options.map.file.empty()) throw CLI::RequiredError("file");

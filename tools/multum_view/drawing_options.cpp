@@ -28,7 +28,7 @@ CLI::Option* add_parsed_list(CLI::App& app, const std::string& option, std::vect
 
 void add_environment_options(CLI::App& app, LightOptions& options) {
   app.add_option("--environment", options.environment,
-                 "light the scene by this latitude-longitude image, .exr or .hdr, and show it in the background");
+                 "light the scene with this latitude-longitude image, .exr or .hdr, and show it in the background");
   app.add_option("--environment-turn", options.environment_turn,
                  "rotate the environment about the up axis by this many degrees, counterclockwise seen from above")
       ->check(number_in(-3600.0f, 3600.0f));
@@ -51,7 +51,8 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
       "as engines do (interpolated)")
       ->default_str("as --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
-             "shade a file of moments by this method (default: lean-jacobian); by --environment all are toksvig");
+             "shade a file of moments by this method (default: lean-jacobian); under --environment, all are drawn like "
+             "toksvig");
   app.add_option("--colour-map", options.colour_map,
                  "read colours for a file without colours from this pyramid of `multum mip`");
 }
@@ -59,11 +60,11 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
 void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const taps =
       app.add_option("--taps", options.filter.taps,
-                     "take at most this many trilinear lookups of each texture along the longer axis of a pixel")
+                     "take at most this many trilinear texture lookups along the longer axis of a pixel")
           ->check(CLI::Range(1, kTapCountMax))
           ->capture_default_str();
   CLI::Option* const bias =
-      add_level_bias_option(app, options.level_bias, "add this to the mip level; below 0 is sharper")
+      add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values are sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
   CLI::Option* const shade = app.add_flag(
       "--shade-taps,!--no-shade-taps", options.filter.shades_taps,
@@ -101,31 +102,29 @@ void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
 
 void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--repeat", options.repeat,
-                 "repeat the map this often across the plane or uv unit (default: 60; on a mesh 1)")
+                 "repeat the map this many times across the plane or uv unit (default: 60; on a mesh 1)")
       ->check(number_in(1e-6f, 1e6f));
 }
 
 void add_camera_options(CLI::App& app, CameraOptions& options) {
-  add_parsed(
-      app, "--camera", options.place, parse_camera,
-      "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, all of "
-      "it)");
+  add_parsed(app, "--camera", options.place, parse_camera,
+             "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, the "
+             "whole mesh)");
   add_parsed(app, "--up", options.up, parse_up,
              "set the up direction of the picture, x,y,z (default: 0,0,1; on a mesh 0,1,0)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {
-  add_parsed(
-      app, "--distance", options.distances, parse_distances,
-      "draw the mesh at several distances, a list of factors; 1,5,25 writes NAME_1.png, NAME_5.png and NAME_25.png "
-      "for -o NAME.png");
+  add_parsed(app, "--distance", options.distances, parse_distances,
+             "draw the mesh at a list of relative distances; 1,5,25 writes NAME_1.png, NAME_5.png and NAME_25.png for "
+             "-o NAME.png");
 }
 
 void add_light_options(CLI::App& app, LightOptions& options) {
   add_parsed_list(app, "--light", options.distant, parse_light,
                   "add a distant light: x,y,z[,irradiance], the direction towards it; up to 8 times");
   add_parsed_list(app, "--point-light", options.points, parse_point_light,
-                  "add a point light: x,y,z,i or x,y,z,r,g,b, its place and intensity; up to 8 times");
+                  "add a point light: x,y,z,i or x,y,z,r,g,b, its position and intensity; up to 8 times");
 }
 
 void add_material_options(CLI::App& app, MaterialOptions& options) {
@@ -137,8 +136,8 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "fit measured facets by a sum of this many vMF densities over lobes, and other facets under an "
-                 "environment; more is slower and has a lower error")
+                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more are "
+                 "slower and lower the error")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The options of pictures: a struct for each subject, and functions that add them to a command line. An option that a
-// scene's plan may also set stays unset or empty until it is given (scene_plan.h).
+// scene plan can also set stays unset or empty until the command line gives it (scene_plan.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,49 +14,49 @@
 namespace multum {
 
 struct SurfaceOptions {
-  std::string mesh;             // empty: the plane
+  std::string mesh;             // mesh file; empty: the plane
   std::optional<float> repeat;  // repeats of the map; unset: 60 across the plane, 1 on a mesh
 };
 
 struct CameraOptions {
   std::optional<CameraPlace> place;  // unset: above the plane, or where the whole mesh is visible
-  std::optional<glm::vec3> up;       // unit; unset: +Z over the plane, +Y with a mesh
-  std::vector<float> distances;      // one picture each, as factors of the camera's own distance; empty: one picture
+  std::optional<glm::vec3> up;       // unit vector; unset: +Z over the plane, +Y with a mesh
+  std::vector<float> distances;      // factors of the camera's own distance, one picture each; empty: one picture
 };
 
 struct LightOptions {
-  std::vector<gl::Light> distant;  // without any light: the default light
+  std::vector<gl::Light> distant;  // the default light is used if there is no light at all
   std::vector<gl::PointLight> points;
   std::string environment;                              // latitude-longitude image; empty: none
   std::optional<gl::EnvironmentMode> environment_mode;  // unset: prefiltered
   std::optional<float> environment_turn;                // degrees about the up axis; unset: 0
-  bool no_background = false;                           // black behind the surface instead of the environment
+  bool no_background = false;                           // black instead of the environment behind the surface
 };
 
 struct MaterialOptions {
-  std::vector<std::string> brdfs;  // in the form that parse_brdf() accepts; several: blended by the map's weights
+  std::vector<std::string> brdfs;  // in the form that parse_brdf() accepts; several are blended by the map's weights
   int term_count = Brdf{}.term_count;
-  std::vector<glm::vec3> diffuse, specular;  // one for all BRDFs, or one each; empty: the BRDF's own colours
+  std::vector<glm::vec3> diffuse, specular;  // one colour for all BRDFs, or one for each; empty: the BRDF's own colours
   std::optional<glm::vec3> fixed_fresnel;
 };
 
 struct ShadingOptions {
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
-  bool shade_first = false;                  // shades lobes before filtering them
-  std::optional<MapSurface> surface;         // between lobe texels of level 0; unset: as in the reference
+  bool shade_first = false;                  // shade lobes before filtering them
+  std::optional<MapSurface> surface;         // surface between lobe texels of level 0; unset: as in the reference
   std::optional<gl::MomentShading> moments;  // for files of moments; unset: kDefaultMomentShading
   std::string colour_map;           // pyramid of multum mip that colours all lobes; empty: the file's own colours
-  gl::TextureFilter filter;         // for every mip-mapped texture; its bias and evaluations are set below
+  gl::TextureFilter filter;         // filter of every mip-mapped texture; its bias and evaluations are set below
   std::optional<int> evaluations;   // shading evaluations per pixel, 0 to 16; unset: kEvaluationsOfLobes
   std::optional<float> level_bias;  // unset: kLevelBiasDefault; -16..16
-  float anisotropy = 1.0f;          // of the driver's filter; 1..16
+  float anisotropy = 1.0f;          // anisotropy of the driver's filter, 1..16
 };
 
 struct OutputOptions {
   std::string path;                 // *.png, *.exr
   bool is_alone = false;            // `path` shows only the baked map, without the compared pictures
-  std::string pictures;             // PREFIX of one file per picture; empty: none
-  std::string report;               // JSON; empty: none
+  std::string pictures;             // name prefix for one file per picture; empty: no such files
+  std::string report;               // JSON file; empty: no report
   std::optional<PictureSize> size;  // unset: 640 x 480
   float exposure = 1.0f;            // PNG only
 

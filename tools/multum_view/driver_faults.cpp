@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// The message is made in advance: after a fault nothing may be allocated.
+// The message is prepared in advance, because no memory may be allocated after a fault.
 std::array<char, 300> g_message;
 size_t g_message_size = 0;
 

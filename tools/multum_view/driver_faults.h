@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Explains crashes of OpenGL drivers to the user. Drivers do not survive a lack of memory: Mesa's drivers end the
-// program by a signal.
+// Explains crashes of OpenGL drivers to the user. If memory runs out, the drivers of Mesa end the program by a signal.
 #pragma once
 
 namespace multum {
 
-/// Installs signal handlers if this process has a memory limit (ulimit -v). A later fault or abort then prints an error
-/// that names the limit, and exits with the code of kEnvironment. Without such a limit nothing changes.
+/// Installs signal handlers if this process has a memory limit (ulimit -v); otherwise does nothing. After a fault or
+/// abort, the handlers print an error that names the limit, and exit with the code of kEnvironment.
 void explain_driver_faults();
 
 }  // namespace multum

@@ -37,7 +37,7 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
                      "draw the reference with this many samples per pixel (default: as --reference-noise needs)")
           ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
   app.add_option("--reference-noise", options.sampling.noise_max,
-                 "draw the reference until its noise is at most this (relative L1); takes seconds in software")
+                 "draw the reference until its noise (relative L1) is at most this; slow in software")
       ->check(number_in(1e-5f, 1.0f))
       ->capture_default_str()
       ->excludes(samples);
@@ -61,10 +61,9 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       ->check(CLI::IsMember({"pixel", "texels"}))
       ->excludes(texels)
       ->default_str("pixel");
-  app.add_option(
-      "--keep-reference", options.kept_reference,
-      "keep the reference in this file, and read it from there if it exists: for other bakes of the same map "
-      "with the same view, BRDF and lights");
+  app.add_option("--keep-reference", options.kept_reference,
+                 "keep the reference in this file, and read it if the file exists: for other bakes of the same map "
+                 "with the same view, BRDF and lights");
 }
 
 }  // namespace
@@ -116,14 +115,14 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts) options.lights.push_back(parse_light("--to-light", text));
       },
-      "set --light of the last frame; as often as --light");
+      "set --light of the last frame; give as many as --light");
   app.add_option_function<std::vector<std::string>>(
       "--to-point-light",
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts)
           options.point_lights.push_back(parse_point_light("--to-point-light", text));
       },
-      "set --point-light of the last frame; as often as --point-light");
+      "set --point-light of the last frame; give as many as --point-light");
   app.add_option("--to-environment", options.environment,
                  "fade --environment into this one of the same size; its harmonics and filtered levels change in every "
                  "frame");

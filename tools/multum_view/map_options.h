@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of a baked map's pictures and frames.
+// The options for pictures and frames of a baked map.
 #pragma once
 
 #include "host/foundation/parameters/bake_parameters.h"
@@ -10,10 +10,10 @@
 
 namespace multum {
 
-/// The inputs of the bake, for the reference, the baselines and levels that the file does not hold.
+/// The inputs of the bake, for the reference, the baselines and levels that the file does not contain.
 struct SourceOptions {
-  std::string normals;                         // empty: level 0 of the file
-  std::string albedo;                          // used together with `normals`, as are the next three
+  std::string normals;                         // normal map; empty: level 0 of the file
+  std::string albedo;                          // needs `normals`, like the next three
   std::string roughness;                       // FILE or FILE:CHANNEL
   std::string gloss;                           // replaces roughness: roughness = 1 - gloss
   std::string weights;                         // blend weights of basis BRDFs
@@ -21,24 +21,24 @@ struct SourceOptions {
 };
 
 struct ComparisonOptions {
-  std::vector<std::string> pictures;  // as parse_compared() returns them
+  std::vector<std::string> pictures;  // the form that parse_compared() returns
   gl::ReferenceSampling sampling;
-  std::string kept_reference;  // a file; empty: the reference is always drawn
-  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --reference-of texels
+  std::string kept_reference;  // file of the reference; empty: the reference is always drawn
+  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // or kFootprint
 
   bool is_of_texels() const { return reference == gl::NormalMaterial::Sampling::kFootprint; }
 };
 
 struct AnimationOptions {
-  std::string folder;  // for the frames; empty: one picture
+  std::string folder;  // folder of the frames; empty: one picture
   int frame_count = 24;
-  // Settings of the last frame. Unset or empty: the same as in the first frame.
+  // Settings of the last frame. If unset or empty, the setting of the first frame is used.
   std::optional<CameraPlace> camera;
   std::string brdf;
   std::optional<glm::vec3> diffuse, specular;
   std::vector<gl::Light> lights;
   std::vector<gl::PointLight> point_lights;
-  std::string environment;  // of the same size as the first frame's environment
+  std::string environment;  // must have the same size as the first frame's environment
   std::optional<float> environment_turn;
 
   bool changes_anything() const {
@@ -49,26 +49,26 @@ struct AnimationOptions {
 
 struct MapOptions {
   std::string file;          // *.ndf.exr
-  std::string plan, object;  // of a scene, instead of `file`: plan.json, and the name of an object
-  bool stored_only = false;  // never draws levels finer than the stored ones, so no source is needed
+  std::string plan, object;  // replace `file`: plan.json of a scene, and the name of an object
+  bool stored_only = false;  // never draw levels finer than the stored ones, so that no source is needed
   PictureOptions picture;
   SourceOptions source;
   ComparisonOptions comparison;
   AnimationOptions animation;
-  std::string brdf_roughness;  // FILE or FILE:CHANNEL that scales GGX's own roughness; empty: none
-  std::string shaders;         // JSON file of the shader variants that were used; empty: none
+  std::string brdf_roughness;  // FILE or FILE:CHANNEL that multiplies GGX's roughness; empty: none
+  std::string shaders;         // JSON file for the shader variants that were used; empty: none
 };
 
-/// Adds all options except the map itself, output paths, and changes from frame to frame.
+/// Adds all options except the map itself, output paths, and the changes between frames.
 void add_map_options(CLI::App& app, MapOptions& options);
 /// Adds --pictures, which writes each picture of a sheet to its own file.
 void add_pictures_option(CLI::App& app, OutputOptions& options);
-/// Adds --alone, for drawing without animate.
+/// Adds --alone, which animate does not support.
 void add_alone_option(CLI::App& app, OutputOptions& options);
-/// Adds --frames, --to-camera, ...
+/// Adds --frames, --to-camera and so on.
 void add_animation_options(CLI::App& app, AnimationOptions& options);
 
-/// Throws Error(kUsage) for options that exclude each other for every map.
+/// Throws Error(kUsage) for options that exclude each other with any map.
 void check_map_options(const MapOptions& options);
 
 /// Draws a baked map: one picture, a sheet, or frames.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view model: draws a glTF model with its own materials: base colour, metallic and roughness factors in glTF's
-// BRDF. A material that --material names is drawn with the map that was baked from its normal texture.
+// multum-view model: draws a glTF model with its own materials: base colour, metallic and roughness factors in the BRDF
+// of glTF. For a material that --material names, it draws the map that was baked from its normal texture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace {
 constexpr float kRoughnessMin = 0.05f;           // of Brdf
 constexpr float kDielectricReflectance = 0.04f;  // glTF 2.0, appendix B
 
-/// Parses NAME=FILE. A name may contain "="; names of baked files rarely do.
+/// Parses NAME=FILE. The last "=" separates them, because names may contain "="; names of baked files rarely do.
 std::map<std::string, std::string> parse_materials(const std::vector<std::string>& words) {
   std::map<std::string, std::string> files;
   for (const std::string& word : words) {
@@ -44,7 +44,7 @@ std::map<std::string, std::string> parse_materials(const std::vector<std::string
   return files;
 }
 
-/// A temporary folder for images that are embedded in a model. It exists while they are read.
+/// A temporary folder for images that are embedded in a model. It exists while the images are read.
 class TemporaryImages {
  public:
   TemporaryImages() {
@@ -80,7 +80,7 @@ glm::vec3 mean_of(const GltfImage& image) {
   return sum / (static_cast<double>(rows.planes.width()) * rows.planes.height());
 }
 
-/// Scales the factors by the means of glTF's metallic-roughness texture: roughness is in green, metallic in blue.
+/// Multiplies the factors by the means of glTF's metallic-roughness texture: roughness is in green, metallic in blue.
 Brdf brdf_of(const GltfMaterials& model, GltfMaterial material) {
   if (material.metallic_roughness) {
     const glm::vec3 mean = mean_of(model.images[static_cast<std::size_t>(material.metallic_roughness->image)]);
@@ -120,7 +120,7 @@ class Model {
         throw Error(
             ErrorCode::kInput,
             fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected materials "
-                        "with only roughness, which lobes can be shaded with. --brdf sets another BRDF",
+                        "with only roughness, because lobes support no anisotropy. --brdf sets another BRDF",
                         picture_.surface.mesh, material.name, material.anisotropy));
     }
     for (const auto& [name, file] : files_)
@@ -137,7 +137,7 @@ class Model {
 
   void upload(const gl::GlFunctions& gl) {
     const int count = static_cast<int>(materials_.materials.size());
-    for (int i = 0; i <= count; ++i) {  // the last round: triangles without a material
+    for (int i = 0; i <= count; ++i) {  // the last round draws triangles without a material
       const GltfMaterial material = i < count ? materials_.materials[static_cast<std::size_t>(i)] : GltfMaterial{};
       const gl::MeshData data = part_data(mesh(material.normal ? material.normal->uv_set : 0), i);
       if (data.indices.empty()) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the subcommands of multum-view except those that draw baked maps (map_options.h). Each has its options, a
-// function that adds them to its command line, and a function that runs it and returns the exit code.
+// Declares the subcommands of multum-view except the ones that draw baked maps (map_options.h). Each subcommand has
+// options, a function that adds them to its command line, and a function that runs it and returns the exit code.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,7 +15,7 @@
 namespace multum {
 
 struct ProbeOptions {
-  std::string request;  // JSON (host/fields/inferred/probe_request.h)
+  std::string request;  // JSON file (host/fields/inferred/probe_request.h)
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   int threads = 0;  // threads for decoding; 0: all cores
   bool matrix_market = false;
@@ -32,7 +32,7 @@ struct SampleOptions {
   float exposure = 1.0f;
 };
 void add_sample_options(CLI::App& app, SampleOptions& options);
-/// Draws objects with the textures inferred for them.
+/// Draws objects with their inferred textures.
 int draw_samples(const SampleOptions& options);
 
 struct PlayOptions {
@@ -41,10 +41,10 @@ struct PlayOptions {
   std::string folder;
   int frame_count = 0;    // 0: 24, or all frames of a recorded path
   float rate = 30.0f;     // frames a second
-  int supersampling = 0;  // sub-pixels along each side of a pixel; 0: the field's own setting
+  int supersampling = 0;  // sub-pixels along each side of a pixel; 0: as the field says
   bool is_linear = false;
-  bool is_cold = false;              // forgets all decoded data before each frame
-  bool draws_what_is_there = false;  // else waits for all data of the frame
+  bool is_cold = false;              // forget all decoded data before each frame
+  bool draws_what_is_there = false;  // false: wait for all data of the frame
   int ahead = 8;                     // frames
   std::string memory = "256M", upload = "16M";
   float lifetime = 20.0f, lifetime_factor = 4.0f;
@@ -60,15 +60,14 @@ int play_field(const PlayOptions& options);
 struct ThumbnailOptions {
   std::string result;  // *.ndf.exr, or an output folder of multum infer
   std::string folder;
-  std::string source, albedo;  // inputs of the bake; empty: only the result is shown
+  std::string source, albedo;  // inputs of the bake; empty: draw only the result
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options);
-/// Draws small pictures of a job's input and result for the service's page.
+/// Draws small pictures of a job's input and result for the page of the service.
 int draw_thumbnails(const ThumbnailOptions& options);
 constexpr int kThumbnailSide = 512;  // largest side of the input's picture
-/// Draws a thumbnail of an output folder of multum infer: a frame of the first sample, drawn as multum-view sample
-/// does.
+/// Draws a frame of the first sample as a thumbnail of an output folder of multum infer, like multum-view sample.
 /// Throws Error(kUsage) in a build without fields.
 void draw_field_thumbnail(const ThumbnailOptions& options);
 
@@ -83,37 +82,37 @@ struct PyramidOptions {
   std::string file;
   std::optional<PyramidKind> expected;  // kind of the file; unset: colours or reflected light
   SurfaceOptions surface;
-  std::string surface_pyramid;  // replaces surface.mesh, at `detail` except in the reference; empty: none
+  std::string surface_pyramid;  // replaces surface.mesh, at level `detail` except in the reference; empty: none
   DetailOptions detail;
   CameraOptions camera;
   OutputOptions output;
   std::vector<std::string> lookups = {"level"};  // reference, nearest, bilinear, level, driver
-  std::optional<float> level_bias;               // unset: 0 for colours; for reflected light, the pixel's width
-  int shifts = 0;                                // number of pictures that flicker is measured on; 0: not measured
+  std::optional<float> level_bias;               // unset: 0 for colours; the pixel's width for reflected light
+  int shifts = 0;                                // number of pictures for measuring flicker; 0: do not measure it
   int samples = 256;                             // reference samples per pixel
   float anisotropy = 1.0f;
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_pyramid_options(CLI::App& app, PyramidOptions& options);
-/// Draws a surface that takes its colours directly from a pyramid.
+/// Draws a surface whose colours come directly from a pyramid.
 int draw_pyramid(const PyramidOptions& options);
 
 struct LodOptions {
   std::string file;
   DetailOptions detail;
-  std::optional<int> patch_steps;  // cells along a side of a bicubic patch; unset: the points are triangle corners
+  std::optional<int> patch_steps;  // cells along each side of a bicubic patch; unset: the points are triangle corners
   PictureOptions picture;
 };
 void add_lod_options(CLI::App& app, LodOptions& options);
-/// Draws a pyramid of heights or positions as a mesh of one level.
+/// Draws one level of a pyramid of heights or positions as a mesh.
 int draw_lod(const LodOptions& options);
 
 struct ModelOptions {
-  PictureOptions picture;              // the model is the surface
+  PictureOptions picture;              // its surface is the model
   std::vector<std::string> materials;  // NAME=FILE.ndf.exr
 };
 void add_model_options(CLI::App& app, ModelOptions& options);
-/// Draws a model with its own materials; a map may be baked for each.
+/// Draws a model with its own materials. A baked map can replace the normal texture of each material.
 int draw_model(const ModelOptions& options);
 
 }  // namespace multum

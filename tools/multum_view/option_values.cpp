@@ -46,7 +46,7 @@ std::vector<float> parse_numbers(const std::string& option, const std::string& t
 
 bool is_negative(const glm::vec3& colour) { return colour.x < 0.0f || colour.y < 0.0f || colour.z < 0.0f; }
 
-// Parses a list of words from `known`, each at most once.
+// Parses a list of words from `known`. Each word may occur only once.
 std::vector<std::string> parse_words(const std::string& option, const std::string& text,
                                      const std::vector<std::string>& known) {
   std::vector<std::string> words;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses the values of multum-view's options, which command lines and scene plans write alike. Each function throws
-// Error(kUsage), which names `option`, the value found and the value expected.
+// Parses the values of multum-view's options, which have the same form on command lines and in scene plans. Each
+// function throws Error(kUsage) with `option`, the value found and the value expected.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -45,14 +45,14 @@ CameraPlace parse_camera(const std::string& option, const std::string& text);
 /// Returns a unit vector.
 glm::vec3 parse_up(const std::string& option, const std::string& text);
 PictureSize parse_size(const std::string& option, const std::string& text);
-/// Parses factors of a camera's distance, each at most once because files are named after them.
+/// Parses factors of a camera's distance. Each may occur only once, because files are named after them.
 std::vector<float> parse_distances(const std::string& option, const std::string& text);
-/// Parses the pictures that --compare draws, each at most once: two pictures of one name would share a file.
+/// Parses the pictures that --compare draws. Each may occur only once: two pictures of one name would share a file.
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text);
-/// Parses lookups of a pyramid, each at most once. The reference comes first: the others are compared with it.
+/// Parses lookups of a pyramid, each at most once. The reference is put first, because the others are compared with it.
 std::vector<std::string> parse_lookups(const std::string& option, const std::string& text);
 
-/// A range check that refuses "nan", which CLI11's own check accepts.
+/// Returns a range check that refuses "nan", which CLI11's own check accepts.
 CLI::Validator number_in(float low, float high);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads from plan.json, which `multum bake scene.toml` writes, how an object of a scene is drawn.
+// Reads the settings for drawing an object of a scene from plan.json, which `multum bake scene.toml` writes.
 #pragma once
 
 #include "tools/multum_view/map_options.h"
@@ -7,7 +7,7 @@
 namespace multum {
 
 /// Sets unset options from the plan's entry for options.object (empty: the plan's only object). Throws Error(kInput) if
-/// the file is not a plan, Error(kUsage) if the plan lacks the object.
+/// the file is not a plan, and Error(kUsage) if the plan does not contain the object.
 void apply_scene_plan(MapOptions& options);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view thumbnails: draws the service's pictures of a job in a process of its own, so that a crash by a map or a
-// driver ends only the pictures. The most trusted input is drawn first: after a failure the later pictures are missing,
-// and the earlier ones exist.
+// multum-view thumbnails: draws pictures of a job for the service. It runs in its own process, so that a crash caused
+// by a map or a driver ends only the pictures. The most trusted input is drawn first: a failure leaves the earlier
+// pictures and omits the later ones.
 #include <fmt/format.h>
 #include <filesystem>
 
@@ -30,16 +30,16 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 384, kHeight = 288;  // of renders
 constexpr int kSamples = 64;                // reference samples per pixel
-// The nearest tile of the plane fills the picture, so the levels that it samples are at most this wide.
+// The nearest tile of the plane fills the picture, so the picture needs no levels that are wider than this.
 constexpr int kLevelSide = 1024;
-// Most texels of a reference, which is drawn from the whole map and needs a third of a gigabyte at this limit.
+// Maximum number of texels for a reference, which is drawn from the whole map. At this limit it needs a third of a GB.
 constexpr std::int64_t kReferenceTexelsMax = std::int64_t{1} << 24;
 
 std::string file_in(const ThumbnailOptions& options, const char* name) {
   return (fs::path(options.folder) / name).string();
 }
 
-/// Reads the levels that a picture of this size shows, as a map of their own; finer ones are skipped.
+/// Reads only the levels that a picture of this size shows, as a separate map. Skips finer levels.
 MovmfMipmap read_coarse_levels(const std::string& path) {
   MovmfReader reader(path, 1);
   const MovmfMipmap& header = reader.header();
@@ -75,7 +75,7 @@ NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMi
   NormalMapSettings settings = parse_reading_settings(mipmap.header.provenance.settings);
   settings.wrap_s = mipmap.header.wrap_s;
   settings.wrap_t = mipmap.header.wrap_t;
-  settings.repair_share_max = 1.0f;  // the bake accepted these same texels
+  settings.repair_share_max = 1.0f;  // the bake accepted the same texels
   settings.texel_count_max = kReferenceTexelsMax;
   return settings;
 }
@@ -106,7 +106,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
 
   const NormalMapSettings settings = source_settings(options, mipmap);
   write_png8(file_in(options, "input.png"), read_small_picture(options.source, kThumbnailSide));
-  // There is nothing to compare with.
+  // There is no reference to compare with.
   if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);

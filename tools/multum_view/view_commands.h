@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of multum-view, one row each, and the options that they fill in.
+// The subcommands of multum-view, one row for each, and the options that they set.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace multum {
 
 struct CommandOptions {
-  MapOptions map;  // for no subcommand, scene and animate
+  MapOptions map;  // for drawing without a subcommand, for scene and for animate
   SampleOptions sample;
   PlayOptions play;
   ProbeOptions probe;
@@ -28,7 +28,7 @@ struct ViewCommand {
   int (*run)(const CommandOptions&);
 };
 
-/// Returns the subcommands of fields: sample, play, probe. A build without fields (MULTUM_FIELDS) returns none.
+/// Returns the subcommands for fields: sample, play, probe. A build without fields (MULTUM_FIELDS) returns none.
 std::vector<ViewCommand> field_commands();
 
 }  // namespace multum

@@ -34,7 +34,7 @@ ComparedMethod method_of(const std::string& name) {
           has_points};
 }
 
-// At least as many evaluations as the baked map needs.
+// Returns a number of evaluations that is not below the baked map's number.
 int evaluations_of(const gl::TextureFilter& filter, int lobe_count) {
   if (filter.evaluations > 0) return filter.evaluations;
   return gl::evaluations_of_lobes(lobe_count * (filter.shades_taps ? filter.taps : 1));
@@ -47,7 +47,7 @@ int lobe_count_of(const BakedMap& map) {
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
-// Draws one basis BRDF after another and sums them, each times its weight. Reflected light is always such a sum.
+// Draws one basis BRDF after another and sums the pictures, each times its weight. Reflected light is such a sum.
 template <typename Draw>
 gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, gl::Material& material,
                          const Draw& draw) {
@@ -61,7 +61,7 @@ gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, 
       sum = std::move(part);
       continue;
     }
-    // Alpha is coverage, which is the same in each part.
+    // Alpha is coverage, which is the same in each picture of the sum.
     for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
       if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
     sum.frame_time_ms += part.frame_time_ms;
@@ -140,8 +140,8 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   return pictures;
 }
 
-/// Measured with Mesa 22.3.6, plane seen from above, averaged normals, terrain of 403 x 344: 85 % error with
-/// --anisotropy 4 and 60 % without. Resized to 256 x 256: 65 and 66 %.
+/// Warns about a fault of Mesa 22.3.6. Measured on the plane seen from above, with averaged normals: a terrain of
+/// 403 x 344 has 85 % error with --anisotropy 4 and 60 % without; resized to 256 x 256, it has 65 % and 66 %.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;

@@ -15,13 +15,13 @@ namespace multum {
 struct NamedPicture {
   std::string name;  // "multum", or a name of --compare
   gl::Picture picture;
-  std::shared_ptr<const gl::FloatImage> background = nullptr;  // shown behind the picture; not part of errors
+  std::shared_ptr<const gl::FloatImage> background = nullptr;  // shown behind the picture; errors ignore it
 };
 
-/// Returns the background of a picture of the scene: the environment. Null: no background, which is black.
+/// Returns the background of a picture of the scene: the environment, or null for a black background.
 std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& options, const gl::RenderScene& scene);
 
-/// Returns the picture over its background.
+/// Returns the picture in front of its background.
 gl::FloatImage shown_image(const NamedPicture& picture);
 
 /// Draws every picture that the options list, for any number of scenes. Textures are uploaded once.
@@ -30,7 +30,7 @@ class PictureDrawer {
   /// All arguments must outlive this object.
   PictureDrawer(const MapOptions& options, const std::vector<Brdf>& basis, const gl::GlFunctions& gl,
                 const gl::Mesh& mesh, const BakedMap& map, const gl::NormalImage& source);
-  /// Returns the reference first, if --compare lists it, then the baked map, then the baselines.
+  /// Returns the reference (if --compare lists it), then the baked map, then the baselines.
   std::vector<NamedPicture> draw(const gl::RenderScene& scene);
   std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
   double take_environment_seconds() { return renderer_.take_environment_seconds(); }
@@ -46,7 +46,7 @@ class PictureDrawer {
   std::optional<gl::Picture> kept_reference_;
 };
 
-/// `renderer`: GL's name for itself.
+/// `renderer` is the name that GL reports.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer);
 
 }  // namespace multum

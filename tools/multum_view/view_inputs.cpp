@@ -26,13 +26,13 @@
 namespace multum {
 namespace {
 
-/// The bake's own settings, except for those that the command line sets.
+/// Returns the settings of the bake; settings from the command line replace them.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
   if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
-    settings.repair_share_max = 1.0f;  // the bake accepted these same texels
+    settings.repair_share_max = 1.0f;  // the bake accepted the same texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(options.source.normals,
                 fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
@@ -44,7 +44,7 @@ NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& 
   return settings;
 }
 
-/// Warns if an albedo, roughness, gloss or weights map differs from the one that the baked file's settings name.
+/// Warns if an albedo, roughness, gloss or weights map differs from the map named in the baked file's settings.
 void warn_of_another(const std::string& file, const BakedHeader& baked, const char* key, const char* option,
                      const std::string& path, const std::string& ending) {
   const nlohmann::json settings = nlohmann::json::parse(baked.provenance.settings, nullptr, false);
@@ -62,7 +62,7 @@ ChannelFile roughness_file(const SourceOptions& source) {
   return file;
 }
 
-/// Throws Error(kUsage) unless the maps given with --source are those that the file was baked with.
+/// Throws Error(kUsage) unless the maps given with --source are the maps of the bake.
 void check_materials(const MapOptions& options, const BakedHeader& baked, const ChannelFile& roughness,
                      std::size_t brdf_count) {
   if (baked.has_roughness == roughness.path.empty())
@@ -79,7 +79,7 @@ void check_materials(const MapOptions& options, const BakedHeader& baked, const 
                     options.file, brdf_count));
 }
 
-/// Returns the bake's normals, shortened by roughness. Works on planes and makes texels at the end.
+/// Returns the normals of the bake, shortened by roughness. Works on planes and makes texels only at the end.
 std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHeader& baked, NormalMap map,
                                       const ChannelFile& roughness) {
   std::array<std::vector<float>, 3> planes = {std::move(map.x), std::move(map.y), std::move(map.z)};
@@ -98,7 +98,7 @@ std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHead
   return texels;
 }
 
-/// Adds the bake's colours and weights.
+/// Adds the colours and weights of the bake.
 void add_materials(const MapOptions& options, const BakedHeader& baked, gl::NormalImage& image) {
   const SourceOptions& source = options.source;
   if (!source.weights.empty()) {
@@ -183,7 +183,7 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   if (source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map of the bake, "
-                            "which has the finer levels ({}, SHA-256 {})",
+                            "which contains the finer levels ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
                             baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
@@ -224,7 +224,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
     log_warning(options.environment,
-                fmt::format("{} texels are negative or not finite, read as black", colours.clamped_count));
+                fmt::format("{} texels are negative or not finite, and are read as black", colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return make_environment_light(std::move(map));
@@ -245,7 +245,7 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.normals.empty() && options.comparison.pictures.empty())
-    log_warning(options.source.normals, "is not read: without --compare no picture needs it");
+    log_warning(options.source.normals, "is not read, because no picture needs it without --compare");
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
     log_warning(
         options.file,

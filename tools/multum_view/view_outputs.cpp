@@ -24,7 +24,7 @@ namespace {
 
 bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
-/// Composes a sheet: the pictures in the first row; if there is a reference, each picture's error in the second row.
+/// Composes a sheet: the pictures are in the first row. If there is a reference, their errors are in the second row.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {
@@ -68,7 +68,7 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return json;
 }
 
-// With one sample per pixel, noise is not measured.
+// Noise is not measured with one sample per pixel.
 nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann::json(noise) : nlohmann::json(); }
 
 std::string reference_line(const gl::Picture& reference) {
@@ -187,7 +187,7 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
                            {"height", options.output.height()},
                            {"reference_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},
                            {"pixel_filter", choice_name(kPixelFilters, facts.comparison.sampling.filter)},
-                           {"reference", "BRDF and max(n.l, 0) at the normal of every sample"},
+                           {"reference", "BRDF and max(n.l, 0) with the normal of every sample"},
                            {"formula", choice_name(kLobeFormulas, shading.formula)},
                            {"moments", choice_name(kMomentShadings, shading.moments.value_or(kDefaultMomentShading))},
                            {"filter", filter_json(shading)},

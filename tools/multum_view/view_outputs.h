@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes pictures, a table of errors and times, a report.
+// Writes pictures, prints a table of errors and times, and writes a report.
 #pragma once
 
 #include <functional>
@@ -10,25 +10,26 @@
 
 namespace multum {
 
-/// Before anything is drawn, refuses output files that cannot be written, or that would overwrite each other or an
-/// input. So no rendering is wasted, and no picture is left without its report.
+/// Refuses output files that cannot be written, or that would overwrite each other or an input. Runs before anything is
+/// drawn, so that no rendering is wasted, and no picture is written without its report.
 void check_outputs(const MapOptions& options, const ViewScenes& scenes);
 
-/// Writes the sheet and, with --pictures, every picture and its difference from the reference to its own file.
+/// Writes the sheet. With --pictures, also writes every picture, and its difference from the reference, to its own
+/// file.
 void write_pictures(const OutputOptions& options, const std::vector<NamedPicture>& pictures);
 
-/// Draws, prints and writes each of views_of(). Returns the rows of all views.
+/// Draws, prints and writes each view of views_of(). Returns the rows of all views.
 nlohmann::json draw_views(const PictureOptions& options, const gl::RenderScene& scene,
                           const std::function<std::vector<NamedPicture>(const gl::RenderScene& scene)>& draw);
 
 /// Prints the table and returns its rows.
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures);
 
-/// The contents of a report besides its rows.
+/// The contents of a report except its rows.
 struct ReportFacts {
   const gl::HeadlessContext& context;
   ComparisonOptions comparison = {};
-  bool brdf_is_in_map = false;  // each texel of the file has its own roughness; the scene's is ignored
+  bool brdf_is_in_map = false;  // each texel of the file has its own roughness, which replaces the scene's roughness
 };
 void write_report(const PictureOptions& options, const gl::RenderScene& scene, const ReportFacts& facts,
                   const nlohmann::json& pictures);

@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Writes by the name's extension. .png: values times `exposure`, clamped, sRGB, 8 bits. .exr: linear values, 32-bit
-/// floats, exposure not applied. Throws Error(kUsage) for other names, Error(kEnvironment) if the disk refuses.
+/// Writes a PNG or EXR file, by the extension of the name. .png: values times `exposure`, clamped, sRGB, 8 bits. .exr:
+/// linear 32-bit floats without `exposure`. Throws Error(kUsage) for other names, Error(kEnvironment) if writing fails.
 void write_picture(const std::string& path, const gl::FloatImage& image, float exposure);
 
 /// Throws Error(kUsage) unless write_picture() supports the name's extension.

@@ -4,10 +4,10 @@
 //
 //     const decoder = await loadDecoder(bytesOfWasm)
 //     const field = decoder.open(bytesOfFile)
-//     const chunk = field.chunk(0)                  // of field.chunkCount; its layer and block, width, height
-//     chunk.radianceHalves(sample)                  // Uint16Array, [height][width][3], for a texture of halves
+//     const chunk = field.chunk(0)                  // below field.chunkCount; has layer, block, width and height
+//     chunk.radianceHalves(sample)                  // Uint16Array, [height][width][3], for a texture of half floats
 //     chunk.close(); field.close()
-//     decoder.chunkOf(bytesOfSection)               // for callers that fetch single ranges of a file
+//     decoder.chunkOf(bytesOfSection)               // for callers that fetch single byte ranges of a file
 
 const notSupported = 52  // WASI's ENOSYS: the decoder uses neither files nor time
 
@@ -40,7 +40,8 @@ class Decoder {
     return new PackedField(this, memory, field)
   }
 
-  // Decodes a chunk from its section's bytes, whose checksum the caller has compared. Throws Error with the reason.
+  // Decodes a chunk from the bytes of its section. The caller must have checked the checksum. Throws Error with the
+  // reason.
   chunkOf(bytes) {
     const memory = this.allocated(bytes.length)
     new Uint8Array(this.wasm.memory.buffer, memory, bytes.length).set(bytes)
@@ -69,14 +70,15 @@ class PackedField {
     this.chunkCount = decoder.wasm.multum_chunk_count(field)
   }
 
-  // Returns the object of docs/reference/packed_fields.md, "The description"; null if it is damaged or missing.
+  // Returns the object that docs/reference/packed_fields.md, "The description", describes; null if it is damaged or
+  // missing.
   async description() {
     const { wasm } = this.decoder
     const length = wasm.multum_description_length(this.field)
     if (length === 0) return null
     const begin = this.memory + wasm.multum_description_offset(this.field)
     const section = new Uint8Array(wasm.memory.buffer, begin, length).slice()
-    const text = section.subarray(section.findIndex(byte => byte < 128) + 1)  // after the number that gives its length
+    const text = section.subarray(section.findIndex(byte => byte < 128) + 1)  // skips the length of the text
     const inflated = new Blob([text]).stream().pipeThrough(new DecompressionStream('deflate'))
     return new Response(inflated).json()
   }
@@ -105,13 +107,13 @@ class TextureChunk {
     this.sampleCount = decoder.wasm.multum_sample_count(chunk)
   }
 
-  // Gamma-coded floats, 255 for a radiance of 1, [height][width][3].
+  // Returns gamma-coded floats, 255 for a radiance of 1, [height][width][3].
   texture(sample) { return this.values(sample, 'multum_texture', Float32Array) }
 
-  // Radiance, as the bits of halves.
+  // Returns radiance as the bits of half floats.
   radianceHalves(sample) { return this.values(sample, 'multum_radiance_halves', Uint16Array) }
 
-  // Radiance of all mip levels, finest first, as `multum unpack` writes them: [texels][3].
+  // Returns the radiance of all mip levels, finest first, in the form that `multum unpack` writes: [texels][3].
   radianceLevels(sample) {
     return this.values(sample, 'multum_radiance_levels', Uint16Array, this.decoder.wasm.multum_level_texels(this.chunk))
   }

@@ -14,7 +14,7 @@ using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
 constexpr unsigned kJob = kOnCommandLine | kInManifest | kInService;
-constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB of the program and a window of 8 (bake_job.cpp)
+constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB for the program and 8 MiB for a window (bake_job.cpp)
 
 void add(Rows& rows, Rows more, const char* group) {
   for (Parameter& row : more) {
@@ -27,8 +27,8 @@ Rows source_rows() {
   Rows rows = {
       {.name = "bumpformat",
        .kind = Kind::kChoice,
-       .help = "set the kind of map; auto: detect it from statistics; packed16 to mapbox: heights with bytes in"
-               " red, green and blue",
+       .help = "set the kind of map; auto: detect it from statistics; packed16 to mapbox: heights whose bytes are in "
+               "red, green and blue",
        .default_text = "auto",
        .choices = choice_names(kBumpFormats),
        .hashed_as = "bump_format",
@@ -56,7 +56,7 @@ Rows source_rows() {
       z_range_parameter(kEverywhere),
       {.name = "height_scale",
        .kind = Kind::kNumber,
-       .help = "set the height of a value difference of 1 in a height field; a negative number turns dents into bumps",
+       .help = "set the height for a value difference of 1 in a height field; a negative number turns dents into bumps",
        .low = -kUnbounded,
        .high = kUnbounded,
        .zero_excluded = true,
@@ -65,8 +65,8 @@ Rows source_rows() {
        .hashed_as = "height_scale",
        .surfaces = kEverywhere},
       {.name = "dequantize",
-       .help = "replace 8-bit heights by the smoothest heights that round to them: terraces become slopes; "
-               "steps of two or more codes stay",
+       .help = "replace 8-bit heights by the smoothest heights that round to them: terraces become slopes; steps of "
+               "two or more codes stay",
        .hashed_as = "dequantize",
        .surfaces = kEverywhere},
       {.name = "normal_scale",
@@ -107,8 +107,7 @@ Rows material_rows() {
            .surfaces = kEverywhere},
           {.name = "roughness",
            .kind = Kind::kFile,
-           .help = "bake perceptual roughness (0 to 1, same size) into the lobes: they get the width of the "
-                   "highlight, and drawing needs no BRDF",
+           .help = "bake this perceptual roughness map (0 to 1, same size) into the lobes; drawing then needs no BRDF",
            .unit = "FILE[:CHANNEL]",
            .hashed_as = "roughness",
            .excludes = {"gloss"},
@@ -122,8 +121,8 @@ Rows material_rows() {
            .surfaces = kEverywhere},
           {.name = "weights",
            .kind = Kind::kFile,
-           .help = "bake blend weights of 1 to 4 basis BRDFs from a map of the same size, one channel (0 to 1) "
-                   "each, per lobe or averaged",
+           .help = "bake blend weights of 1 to 4 basis BRDFs, per lobe or averaged, from a map of the same size with "
+                   "one channel (0 to 1) per BRDF",
            .hashed_as = "weights",
            .surfaces = kEverywhere}};
 }
@@ -203,7 +202,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "passes",
        .kind = Kind::kInteger,
-       .help = "pass over each level this often; more than one pass aligns its lobes better",
+       .help = "pass over each level this many times; later passes align its lobes better",
        .low = 1,
        .high = 8,
        .default_text = "2",
@@ -220,8 +219,8 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "refine",
-       .help = "refine the lobes of each texel after EM so that their highlights match better: more accurate, "
-               "slower; only vmf with binned normals",
+       .help = "refine the lobes of each texel after EM for better highlights: more accurate but slower; only for vmf "
+               "with binned normals",
        .hashed_as = "refined",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -245,8 +244,8 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "farthest_start",
-       .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; "
-               "for comparison, mostly a worse fit",
+       .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; for "
+               "comparison: usually a worse fit",
        .hashed_as = "farthest_start",
        .surfaces = kJob},
       {.name = "unaligned",
@@ -264,23 +263,23 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "kappa_cap",
        .kind = Kind::kNumber,
-       .help = "limit kappa of lobes during EM on rough texels; smooth texels get sharper lobes",
+       .help = "limit the kappa of lobes during EM on rough texels; smooth texels get sharper lobes",
        .low = 1,
        .high = 1e5,
        .default_text = "500",
        .hashed_as = "kappa_cap",
        .surfaces = kJob},
-      // Hashed and checked; nobody can set them.
+      // These parameters are hashed and checked, but users cannot set them.
       {.name = "iterations_coarse",
        .kind = Kind::kInteger,
-       .help = "most EM iterations of texels that cover more than 1024 normals; --iterations sets it too",
+       .help = "maximum EM iterations for texels that cover more than 1024 normals; --iterations also sets it",
        .low = 1,
        .high = 1000,
        .default_text = "30",
        .hashed_as = "iterations_coarse"},
       {.name = "iterations_top",
        .kind = Kind::kInteger,
-       .help = "most EM iterations of the coarsest level",
+       .help = "maximum EM iterations for the coarsest level",
        .low = 1,
        .high = 1000,
        .default_text = "60",
@@ -294,21 +293,21 @@ Rows fit_rows() {
        .hashed_as = "settled_change"},
       {.name = "kappa_cap_slope",
        .kind = Kind::kNumber,
-       .help = "growth of kappa_cap per kappa of all normals of the texel",
+       .help = "increase of kappa_cap per unit of the kappa of all normals in the texel",
        .low = 0,
        .high = 1000,
        .default_text = "10",
        .hashed_as = "kappa_cap_slope"},
       {.name = "start_kappa_factor",
        .kind = Kind::kNumber,
-       .help = "kappa of a start as a share of the kappa of the parent",
+       .help = "kappa of a starting lobe as a share of the parent's kappa",
        .low = 0.01,
        .high = 1,
        .default_text = "0.5",
        .hashed_as = "start_kappa_factor"},
       {.name = "start_amplitude_min",
        .kind = Kind::kNumber,
-       .help = "smallest amplitude of a lobe of a start",
+       .help = "smallest amplitude of a starting lobe",
        .low = 0,
        .high = 0.125,
        .default_text = "0.02",
@@ -336,7 +335,7 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "brdf",
            .kind = Kind::kBrdf,
-           .help = "measure the error of a target with this BRDF: " + brdf_forms("") +
+           .help = "measure the error for a target with this BRDF: " + brdf_forms("") +
                    " or, except in jobs, the file of a measured BRDF",
            .default_text = "blinn-phong:100",
            .surfaces = kJob},
@@ -345,8 +344,7 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "error_max",
            .kind = Kind::kNumber,
-           .help = "fail if the largest measured error is above this: relative L1 (0.1: 10 %) of the worst "
-                   "level and BRDF",
+           .help = "fail if the relative L1 error of the worst level and BRDF is above this (0.1: 10 %)",
            .high = kUnbounded,
            .low_excluded = true,
            .surfaces = kInManifest}};
@@ -354,18 +352,20 @@ Rows target_rows() {
 
 Rows run_rows() {
   return {
-      memory_parameter("stay within this resident memory; larger maps are baked in bands of rows, with the same result",
-                       kLeastMemory, "as much as helps, at most a quarter of the memory of the machine",
-                       kOnCommandLine | kInService),
+      memory_parameter(
+          "use at most this much resident memory; larger maps are baked in bands of rows, with the same result",
+          kLeastMemory, "as much as is useful, at most a quarter of the memory of the machine",
+          kOnCommandLine | kInService),
       device_parameter(kOnCommandLine | kInService),
       {.name = "no_measure", .help = "skip measuring the error of the output", .surfaces = kOnCommandLine | kInService},
       {.name = "report",
        .kind = Kind::kText,
-       .help = "write times, counts and errors as JSON; for several maps: a folder, or a name with <UDIM>",
+       .help = "write times, counts and errors as JSON; for several maps: a folder or a name with <UDIM>",
        .unit = "FILE",
        .surfaces = kOnCommandLine},
       {.name = "scalar",
-       .help = "run the kernels as on a GPU: scalar, with teams of work-items and copies; same bytes, slower on CPUs",
+       .help =
+           "run the kernels as on a GPU (scalar, with teams of work-items and copies): the same result, slower on CPUs",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
@@ -397,7 +397,7 @@ const ParameterTable& bake_parameters() {
         "input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side",
         kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
-    // The order of help texts: representation, fit, storage.
+    // The order in help texts is: representation, fit, storage.
     add(rows, representation_rows(), kStorageGroup);
     add(rows, fit_rows(), kFitGroup);
     add(rows, storage_rows(), kStorageGroup);
@@ -413,7 +413,7 @@ const ParameterTable& scene_parameters() {
   static const ParameterTable table(
       "scene", {input_parameter("scene", "scene.toml with maps, materials, objects, lights and camera", kInService),
                 memory_parameter("stay within this resident memory", kLeastMemory,
-                                 "as much as helps, at most a quarter of the memory of the machine", kInService),
+                                 "as much as is useful, at most a quarter of the memory of the machine", kInService),
                 device_parameter(kInService)});
   return table;
 }

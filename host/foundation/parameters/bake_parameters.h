@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the parameters of `multum bake`, manifests, maps of scenes and jobs of type bake.
+// Lists the parameters of `multum bake`, of manifests, of maps in scenes, and of jobs of type bake.
 #pragma once
 
 #include "host/foundation/parameters/parameter.h"

@@ -34,8 +34,7 @@ const ParameterTable& infer_parameters() {
                  .surfaces = kJob},
                 {.name = "no_frames", .help = "skip the frames that the report measures and shows", .surfaces = kJob},
                 {.name = "no_comparison",
-                 .help = "skip the comparison of samplers, regularisation and forward mapping at the sample of "
-                         "the report",
+                 .help = "skip comparing samplers, regularisation and forward mapping at --report-sample",
                  .surfaces = kJob},
                 {.name = "report_sample",
                  .kind = Kind::kText,

@@ -10,13 +10,13 @@ namespace {
 constexpr unsigned kPackJob = kOnCommandLine | kInService;
 constexpr double kLeastPackMemory = 256.0 * 1024 * 1024;
 
-/// At most one of these may be given.
+/// At most one of these parameters may be given.
 std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "make raw 24-bit frames at least this many times smaller; default: 384, or less if that would "
-               "add more than 3 times the error of the inferred textures",
+       .help = "make raw 24-bit frames at least this many times smaller; default: 384, or less if 384 would add more "
+               "than 3 times the error of the inferred textures",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},
@@ -29,7 +29,7 @@ std::vector<Parameter> target_parameters() {
        .surfaces = kPackJob},
       {.name = "mse_max",
        .kind = ParameterKind::kNumber,
-       .help = "add at most this mean squared error to drawn frames, as estimated, in 8-bit units at gamma 2.2",
+       .help = "add at most this estimated mean squared error to drawn frames, in 8-bit units at gamma 2.2",
        .low = 1e-3,
        .high = 65025,
        .surfaces = kPackJob},
@@ -75,9 +75,8 @@ const ParameterTable& pack_parameters() {
                     .surfaces = kPackJob});
     rows.push_back({.name = "pyramid",
                     .kind = ParameterKind::kChoice,
-                    .help = "code chunks by the best of several pyramids and learnt bases (adaptive), the "
-                            "greedy search of the paper, levels of 1, 2, 4 ... samples (plain), or single "
-                            "samples (none)",
+                    .help = "code chunks by the best of several pyramids and learnt bases (adaptive), the search of "
+                            "the paper (greedy), levels of 1, 2, 4 ... samples (plain), or single samples (none)",
                     .default_text = "adaptive",
                     .choices = choice_names(kPyramidChoices),
                     .surfaces = kPackJob});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes one parameter of a command. Command lines, manifests, scene files, the service, the settings hash and
-// docs/reference/commands.md all take it from its row in a table (bake_parameters.h and its neighbours).
+// Describes one parameter of a command. Each parameter is a row in a table (bake_parameters.h and similar files).
+// Command lines, manifests, scene files, the service, the settings hash and docs/reference/commands.md use these rows.
 #pragma once
 
 #include <cstdint>
@@ -14,40 +14,40 @@
 namespace multum {
 
 enum class ParameterKind {
-  kFlag,     // true or false; on a command line a flag without a value
+  kFlag,     // true or false; on a command line, an option without a value
   kInteger,  // in [low, high]
   kNumber,   // in [low, high], finite
   kChoice,   // one of `choices`
   kText,     // any text; the service refuses control characters
-  kBrdf,     // "blinn-phong:100", or except in the service the file of a measured BRDF
+  kBrdf,     // such as "blinn-phong:100"; except in the service, also the file of a measured BRDF
   kFile,     // path of a file to read, or FILE:CHANNEL if `unit` says so
-  kBytes,    // in [low, high]; on a command line optionally with a unit, 800M
+  kBytes,    // in [low, high]; on a command line also with a unit, such as 800M
 };
 
-/// Bits: the places where a parameter may be given.
+/// Bits for the places where a parameter may be given.
 enum ParameterSurface : unsigned {
   kOnCommandLine = 1,
   kInManifest = 2,  // [defaults] and [[map]] of docs/reference/manifests.md
   kInScene = 4,     // [[map]] of docs/reference/scenes.md
-  kInService = 8,   // parameters of a job
+  kInService = 8,   // parameters of a job of the service
 };
 constexpr unsigned kEverywhere = kOnCommandLine | kInManifest | kInScene | kInService;
 
 /// The representations for which a parameter has an effect.
 enum class ParameterScope { kAll, kLobes, kHarmonics };
 
-/// Bound of numbers without a bound: the largest float.
+/// The bound of numbers that have no bound of their own: the largest float.
 constexpr double kUnbounded = std::numeric_limits<float>::max();
 
 struct Parameter {
-  std::string name;  // snake case: the key of files and JSON; "--first-level" on a command line
+  std::string name;  // snake case: the key in files and JSON; "--first-level" on a command line
   ParameterKind kind = ParameterKind::kFlag;
-  std::string help;  // its effect, verb first, without range and default
+  std::string help;  // the effect, verb first, without range and default
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
-  // "texels", "ms"; for texts, files and long choices their form, "FILE[:CHANNEL]"; empty: none.
+  // "texels" or "ms"; for strings, files and long lists of choices the form of a value, "FILE[:CHANNEL]"; empty: none.
   std::string unit = {};
-  std::string default_text = {};          // in the form of command lines; empty: none
+  std::string default_text = {};          // as written on a command line; empty: no default
   std::vector<std::string> choices = {};  // in the order of help texts
   std::string group = {};                 // heading in help texts
   std::string hashed_as = {};     // key of multum:settings (docs/reference/file_format.md); empty: changes no content
@@ -55,57 +55,56 @@ struct Parameter {
   std::vector<std::string> excludes = {};  // names of parameters that cannot be given together with this one
   ParameterScope scope = ParameterScope::kAll;
   bool chosen_by_target = false;  // target_error and budget_ms choose it
-  bool is_repeatable = false;     // on a command line; ";" joins the values
+  bool is_repeatable = false;     // may be repeated on a command line; ";" joins the values
   unsigned surfaces = 0;
 
   bool is_on(unsigned surface) const { return (surfaces & surface) != 0; }
   bool is_numeric() const {
     return kind == ParameterKind::kInteger || kind == ParameterKind::kNumber || kind == ParameterKind::kBytes;
   }
-  /// Return true if numbers have a lower or an upper bound.
+  /// Return true if the parameter is a number with a lower or an upper bound.
   bool has_low() const { return low > -kUnbounded; }
   bool has_high() const { return high < kUnbounded; }
-  /// "--first-level".
+  /// Returns the option, such as "--first-level".
   std::string option() const;
 };
 
-/// The option of a parameter's name: "--first-level" for "first_level".
+/// Returns the option for a parameter name: "--first-level" for "first_level".
 std::string option_of(const std::string& name);
 
-/// bool for kFlag, int64 for kInteger and kBytes, double for kNumber, text for all other kinds.
+/// bool for kFlag, int64 for kInteger and kBytes, double for kNumber, string for all other kinds.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
 
-/// The legal values as a text: "an integer from 1 to 8", "one of colour, scanline".
+/// Describes the legal values: "an integer from 1 to 8", "one of colour, scanline".
 std::string expected_text(const Parameter& parameter);
 
-/// The value as a text: 9, true, "waves".
+/// Returns the value as text: 9, true, "waves".
 std::string value_text(const ParameterValue& value);
-/// The value as a text; whole MiB of a size as "288 MiB".
+/// Returns the value as text; a size of whole MiB is written as "288 MiB".
 std::string value_text(const Parameter& parameter, const ParameterValue& value);
 
 /// Returns whether the value has the type of the parameter and is legal.
 bool is_legal(const Parameter& parameter, const ParameterValue& value);
 
-/// The bytes of "800M", "2G", "38K" (1024-based) or a plain number; nullopt for any other text.
+/// Returns the bytes of "800M", "2G", "38K" (1024-based) or a plain number; nullopt for any other text.
 std::optional<std::int64_t> parse_size_text(const std::string& text);
 
-/// Parses the text of a command line; kBytes accepts a unit, 800M or 2G (1024-based). Returns nullopt for a text that
-/// is
-/// not of the parameter's type. is_legal() checks the value.
+/// Parses text of a command line; kBytes accepts a unit, such as 800M or 2G (1024-based). Returns nullopt for text that
+/// is not of the parameter's type. Does not check the range; is_legal() does.
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text);
 
 /// The parameters of one command.
 class ParameterTable {
  public:
   ParameterTable(std::string command, std::vector<Parameter> rows);
-  /// The name on command lines and as a type of jobs, "bake".
+  /// Returns the name on command lines and as a job type, such as "bake".
   const std::string& command() const { return command_; }
   const std::vector<Parameter>& rows() const { return rows_; }
-  /// The row with this name, or null.
+  /// Returns the row with this name, or null.
   const Parameter* find(const std::string& name) const;
-  /// The row with this name, which must exist.
+  /// Returns the row with this name, which must exist.
   const Parameter& at(const std::string& name) const;
-  /// Names of the parameters that may be given there, in the order of the table.
+  /// Returns the names of the parameters that may be given at `surface`, in the order of the table.
   std::vector<std::string> names(unsigned surface) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the values of choices with their names, for tables of parameters, jobs, files, reports and hashed settings. Add
-// a new value here.
+// Lists the names of choice values for parameter tables, jobs, files, reports and hashed settings. Add each new value
+// here.
 #pragma once
 
 #include "host/foundation/base/choices.h"
@@ -10,7 +10,7 @@ namespace multum {
 /// ndf: representation of the normals under a texel (host/formats/asset/representation.h).
 enum class Representation {
   kMovmf,    // mixtures of von Mises-Fisher lobes (host/formats/asset/lobes/movmf_mipmap.h)
-  kGmm,      // mixtures of planar Gaussians, in the same mipmap (host/formats/asset/lobes/gmm_quantize.h)
+  kGmm,      // mixtures of planar Gaussians, stored in the same mipmap type (host/formats/asset/lobes/gmm_quantize.h)
   kMoments,  // first and second moments of slopes, and the mean normal (host/formats/asset/averages/moment_mipmap.h)
   kSh,       // spherical harmonics of the normals up to an order (host/formats/asset/averages/sh_mipmap.h)
 };
@@ -31,16 +31,17 @@ inline constexpr Choices<StorageEncoding> kStorageEncodings = {
 enum class FitOrder { kColour, kScanline };
 inline constexpr Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 
-/// coarse_normals: samples of EM for a texel that covers more than kSamplesUnchunkedMax normals. Bins of normals with
-/// similar directions (movmf_binning.cl), or all normals, which makes every level as slow as the finest.
+/// coarse_normals: samples of EM for a texel that covers more than kSamplesUnchunkedMax normals. kBinned uses bins of
+/// normals with similar directions (movmf_binning.cl). kAll uses all normals; every level is then as slow as the
+/// finest.
 enum class CoarseNormals { kBinned, kAll };
 inline constexpr Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned},
                                                           {"all", CoarseNormals::kAll}};
-/// Names in hashed settings. The first is a former name, so that old files keep their hash.
+/// Names in hashed settings. "condensed" is a former name, which is kept so that the hashes of old files stay the same.
 inline constexpr Choices<CoarseNormals> kHashedCoarseNormals = {{"condensed", CoarseNormals::kBinned},
                                                                 {"all", CoarseNormals::kAll}};
 
-/// bumpformat: as maketx --bumpformat, and heights with bytes in several channels (HeightCoding).
+/// bumpformat: the kinds of maketx --bumpformat, and heights whose bytes are in several channels (HeightCoding).
 enum class BumpFormat { kAuto, kHeight, kNormal, kPacked16, kPacked24, kTerrarium, kMapbox };
 inline constexpr Choices<BumpFormat> kBumpFormats = {
     {"auto", BumpFormat::kAuto},         {"height", BumpFormat::kHeight},     {"normal", BumpFormat::kNormal},
@@ -51,46 +52,46 @@ inline constexpr Choices<BumpFormat> kBumpFormats = {
 enum class GreenAxis { kUp, kDown };
 inline constexpr Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
 
-/// z_range: z from blue in 0..1. Signed: 2 * blue - 1, like x and y. Positive: blue itself.
+/// z_range: how z is read from blue, which is in 0..1. Signed: z = 2 * blue - 1, like x and y. Positive: z = blue.
 enum class ZRange { kSigned, kPositive };
 inline constexpr Choices<ZRange> kZRanges = {{"signed", ZRange::kSigned}, {"positive", ZRange::kPositive}};
 
-/// fixnan, as maketx --fixnan: refuse the file, flat normal, mean of the 3 x 3 neighbours.
+/// fixnan, like maketx --fixnan: refuse the file, use a flat normal, or use the mean of the 3 x 3 neighbours.
 enum class FixNan { kNone, kBlack, kBox3 };
 inline constexpr Choices<FixNan> kFixNans = {
     {"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
 
-/// surface: the normals between texel centres. Each texel is a facet of one normal, or renderers interpolate
-/// (host/formats/image/surface_points.h).
+/// surface: the normals between texel centres. Each texel is a facet with one normal, or normals are interpolated as in
+/// renderers (host/formats/image/surface_points.h).
 enum class MapSurface { kTexels, kInterpolated };
 inline constexpr Choices<MapSurface> kMapSurfaces = {{"texels", MapSurface::kTexels},
                                                      {"interpolated", MapSurface::kInterpolated}};
 
-/// colours of `multum mip`: meaning of the numbers in an image.
+/// colours of `multum mip`: the meaning of the numbers in an image.
 enum class ColourEncoding {
-  kAuto,    // like albedo maps: integers are sRGB unless the file says otherwise, floats linear
+  kAuto,    // as for albedo maps: integers are sRGB unless the file says otherwise, floats are linear
   kSrgb,    // sRGB, whatever the file says
   kLinear,  // linear, whatever the file says
-  kData,    // not colours: may be negative; integers are 0..1; numbers that are not finite are refused
+  kData,    // not colours: may be negative; integers become 0..1; NaN and infinite values are refused
 };
 inline constexpr Choices<ColourEncoding> kColourEncodings = {{"auto", ColourEncoding::kAuto},
                                                              {"srgb", ColourEncoding::kSrgb},
                                                              {"linear", ColourEncoding::kLinear},
                                                              {"data", ColourEncoding::kData}};
 
-/// format of exports.
+/// format of exports: the file format.
 enum class MaterialFormat { kPng, kExr, kKtx2, kDds };
 inline constexpr Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
                                                              {"exr", MaterialFormat::kExr},
                                                              {"ktx2", MaterialFormat::kKtx2},
                                                              {"dds", MaterialFormat::kDds}};
 
-/// texels of exports: storage of texels.
+/// texels of exports: the storage format of texels.
 enum class MaterialTexels {
   kRgba8,    // normals and directions as 0.5 + 0.5 n
   kRgba16f,  // unencoded
   kRg8,      // like kRgba8, but only x and y of normals: the shader rebuilds z
-  kBlocks,   // compressed: x and y of normals as BC5, a roughness texture as BC4, others as BC7
+  kBlocks,   // compressed: x and y of normals in BC5, a roughness texture in BC4, other textures in BC7
   kUastc,    // blocks of Basis Universal, only in KTX2
 };
 inline constexpr Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
@@ -99,20 +100,20 @@ inline constexpr Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTe
                                                             {"bc", MaterialTexels::kBlocks},
                                                             {"uastc", MaterialTexels::kUastc}};
 
-/// texels of exported lobes: storage of layers.
+/// texels of exported lobes: the storage format of layers.
 enum class LobeTexels {
-  kRgba16f,  // one layer per lobe, half floats
-  kRgba8,    // one layer per lobe, 0 to 1
-  kBlocks,   // two layers of BC5 per lobe, 0 to 1
+  kRgba16f,  // one layer of half floats per lobe
+  kRgba8,    // one layer of values from 0 to 1 per lobe
+  kBlocks,   // two BC5 layers of values from 0 to 1 per lobe
 };
 inline constexpr Choices<LobeTexels> kLobeTexels = {
     {"bc", LobeTexels::kBlocks}, {"rgba8", LobeTexels::kRgba8}, {"rgba16f", LobeTexels::kRgba16f}};
 
-/// format of `multum gltf`: images of the new textures.
+/// format of `multum gltf`: the image format of new textures.
 enum class GltfTextureFormat {
   kAuto,   // kUastc if its error is small, else kRgba8 with a PNG for loaders without KHR_texture_basisu
   kUastc,  // KHR_texture_basisu
-  kRgba8,  // uncompressed KTX2, outside of KHR_texture_basisu
+  kRgba8,  // uncompressed KTX2, without KHR_texture_basisu
            // (host/delivery/export/engine_support.h lists the loaders that refuse it)
   kPng,    // only level 0
 };
@@ -121,16 +122,16 @@ inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {{"auto", Gltf
                                                                    {"rgba8", GltfTextureFormat::kRgba8},
                                                                    {"png", GltfTextureFormat::kPng}};
 
-/// form of `multum gltf` and exports: form of the normals of a material.
+/// form of `multum gltf` and exports: the form of a material's normals.
 enum class MaterialForm {
-  kAuto,      // chosen by pictures of the model or of simple shapes
+  kAuto,      // chosen by comparing pictures of the model or of simple shapes
   kAverages,  // averaged normals, like the mips of a renderer, with fitted roughness
   kOneLobe,   // one fitted lobe: fitted normals and roughness
 };
 inline constexpr Choices<MaterialForm> kMaterialForms = {
     {"auto", MaterialForm::kAuto}, {"averages", MaterialForm::kAverages}, {"one-lobe", MaterialForm::kOneLobe}};
 
-/// for: the engine that pictures of form auto imitate (host/delivery/forms/engine_filter.h).
+/// for: the engine that the pictures of form auto imitate (host/delivery/forms/engine_filter.h).
 enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnreal };
 inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},           {"babylon", Engine::kBabylon},
                                              {"playcanvas", Engine::kPlayCanvas}, {"filament", Engine::kFilament},
@@ -140,9 +141,9 @@ inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},         
 /// pyramid of `multum pack`: the images of a chunk.
 enum class PyramidChoice {
   kAdaptive,  // the best of several pyramids and learnt bases
-  kGreedy,    // the search of the paper, with the first coder
+  kGreedy,    // the search of the paper, only with the first of the tried coders
   kPlain,     // plain_levels
-  kNone,      // every sample is an image of its own
+  kNone,      // every sample is a separate image
 };
 inline constexpr Choices<PyramidChoice> kPyramidChoices = {{"adaptive", PyramidChoice::kAdaptive},
                                                            {"greedy", PyramidChoice::kGreedy},

@@ -9,13 +9,13 @@
 
 namespace multum {
 
-/// The tables of all commands, in the order of docs/reference/commands.md.
+/// Returns the tables of all commands, in the order of docs/reference/commands.md.
 const std::vector<const ParameterTable*>& parameter_tables();
 
-/// The table of a command or job type; null if it has none.
+/// Returns the table of a command or job type; null if it has none.
 const ParameterTable* find_parameter_table(const std::string& command);
 
-/// Legal values and default of a parameter: "an integer from 1 to 8, default 4".
+/// Describes the legal values and the default of a parameter: "an integer from 1 to 8, default 4".
 std::string values_text(const Parameter& parameter);
 
 }  // namespace multum

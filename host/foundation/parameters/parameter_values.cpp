@@ -10,7 +10,7 @@ namespace multum {
 
 void ParameterValues::set(const std::string& name, ParameterValue value) {
   const Parameter& parameter = table_->at(name);
-  // A whole number is a legal value of kNumber.
+  // A whole number is also a legal value for kNumber.
   if (const auto* integer = std::get_if<std::int64_t>(&value);
       integer != nullptr && parameter.kind == ParameterKind::kNumber)
     value = static_cast<double>(*integer);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the values of the parameters of one command, from a command line, a file or a job.
+// Holds the values that a command line, a file or a job gives to the parameters of one command.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Legal values of the parameters of a table; parameters without a given value are unset.
+/// Legal values for the parameters of a table; a parameter is unset if no value was given.
 class ParameterValues {
  public:
   /// The table must outlive the values.
@@ -20,7 +20,7 @@ class ParameterValues {
 
   const ParameterTable& table() const { return *table_; }
   bool has(const std::string& name) const { return values_.contains(table_->at(name).name); }
-  /// Returns whether the parameter has a value other than the false of a flag.
+  /// Returns whether the parameter has a value; a flag that is false does not count.
   bool is_given(const std::string& name) const;
 
   /// Throws Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".
@@ -30,7 +30,7 @@ class ParameterValues {
   void set(const std::string& name, const char* value) { set(name, ParameterValue(std::string(value))); }
   void erase(const std::string& name) { values_.erase(table_->at(name).name); }
 
-  /// Typed access; the parameter must have this kind. Unset parameters return nullopt.
+  /// Return a value of a known type; the parameter must have this kind. An unset parameter returns nullopt.
   bool flag(const std::string& name) const;  // false if unset
   std::optional<int> integer(const std::string& name) const;
   std::optional<std::int64_t> bytes(const std::string& name) const;
@@ -39,8 +39,8 @@ class ParameterValues {
   template <typename Value>
   std::optional<Value> choice(const std::string& name, const Choices<Value>& choices) const;
 
-  /// The values as options, in the order of the table: "--ndf vmf --lobes 3". `groups`: only of these groups; empty: of
-  /// all groups.
+  /// Returns the values as options, in the order of the table: "--ndf vmf --lobes 3". `groups`: use only these groups;
+  /// empty: use all groups.
   std::string options_text(const std::vector<std::string>& groups = {}) const;
 
  private:
@@ -49,8 +49,7 @@ class ParameterValues {
   std::map<std::string, ParameterValue> values_;
 };
 
-/// Throws Error(kUsage) if two parameters are given that exclude each other: "--gloss excludes --roughness, found
-/// both".
+/// Throws Error(kUsage) if two given parameters exclude each other: "--gloss excludes --roughness, found both".
 void check_exclusions(const ParameterValues& values);
 
 template <typename Value>

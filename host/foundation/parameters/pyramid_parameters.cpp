@@ -23,7 +23,7 @@ Parameter data_format_parameter(const char* default_text) {
           .surfaces = kOnCommandLine};
 }
 
-// A colour, a direction or another list of numbers in one text.
+// A colour, a direction or another list of numbers in one string.
 Parameter numbers_parameter(const char* name, const char* help, const char* unit, const char* default_text) {
   return {.name = name,
           .kind = Kind::kText,
@@ -112,7 +112,7 @@ const ParameterTable& reflectance_parameters() {
                  .surfaces = kOnCommandLine},
                 {.name = "environment",
                  .kind = Kind::kFile,
-                 .help = "light the surface by this latitude-longitude image; +Y is at the top, -Z in the middle",
+                 .help = "light the surface with this latitude-longitude image; +Y is at the top, -Z in the middle",
                  .surfaces = kOnCommandLine},
                 {.name = "environment_scale",
                  .kind = Kind::kNumber,

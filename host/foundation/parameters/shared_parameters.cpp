@@ -80,8 +80,8 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
   return {.name = "surface",
           .kind = ParameterKind::kChoice,
           .help =
-              "treat a texel as a facet of one normal (texels), or interpolate between texels as renderers do up close "
-              "(interpolated, smoother)" +
+              "treat a texel as a facet with one normal (texels), or interpolate between texels as renderers do up "
+              "close (interpolated, smoother)" +
               more,
           .default_text = "texels",
           .choices = choice_names(kMapSurfaces),
@@ -105,8 +105,8 @@ Parameter engine_parameter(unsigned surfaces) {
   return {.name = "for",
           .kind = ParameterKind::kChoice,
           .help =
-              "draw the pictures of --form auto like this engine: with its texture filter, and its "
-              "roughness where normals change between pixels",
+              "draw the pictures of --form auto like this engine: with its texture filter, and with the roughness that "
+              "it adds where normals change between pixels",
           .default_text = "three",
           .choices = choice_names(kEngines),
           .group = kStorageGroup,
@@ -116,7 +116,7 @@ Parameter engine_parameter(unsigned surfaces) {
 Parameter uastc_effort_parameter(unsigned surfaces) {
   return {.name = "uastc_effort",
           .kind = ParameterKind::kInteger,
-          .help = "set the effort of the UASTC encoder; more effort is slower and has a lower error",
+          .help = "set the effort of the UASTC encoder; a higher effort is slower and lowers the error",
           .low = 0,
           .high = 3,
           .default_text = "1",
@@ -127,9 +127,7 @@ Parameter uastc_effort_parameter(unsigned surfaces) {
 Parameter encoder_parameter(unsigned surfaces) {
   return {.name = "encoder",
           .kind = ParameterKind::kText,
-          .help =
-              "encode UASTC with the ktx2-encoder in this folder, which is the package or a node_modules "
-              "folder with it",
+          .help = "encode UASTC with the ktx2-encoder in this folder (the package or a node_modules folder)",
           .unit = "FOLDER",
           .default_text = "where Node.js looks for packages",
           .group = kStorageGroup,
@@ -139,7 +137,7 @@ Parameter encoder_parameter(unsigned surfaces) {
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
           .kind = ParameterKind::kChoice,
-          .help = "compress the file without loss; zip:1 is the fastest zip, zip:9 the smallest",
+          .help = "compress the file without loss; zip:1 is the fastest zip, and zip:9 compresses best",
           .unit = "none|rle|piz|zip[:1-9]|zips[:1-9]",
           .default_text = "zip:1",
           .choices = compressions(),

@@ -6,30 +6,30 @@
 
 namespace multum {
 
-/// `device`. `surfaces` says where the parameter may be given, here and below.
+/// Makes `device`. `surfaces`, here and below, lists the places where the parameter may be given.
 Parameter device_parameter(unsigned surfaces);
-/// `memory`, of at least `low` bytes; `default_text` is a text for people.
+/// Makes `memory`, with at least `low` bytes; `default_text` is a human-readable default.
 Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces);
 Parameter compression_parameter(unsigned surfaces);
-/// `surface`; `more` is the end of its help text.
+/// Makes `surface`; `more` is appended to its help text.
 Parameter surface_parameter(const std::string& more, unsigned surfaces);
 /// `anisotropy` and `fast`, for commands that fit one lobe per texel.
 Parameter lobe_anisotropy_parameter(unsigned surfaces);
 Parameter fast_lobe_parameter(unsigned surfaces);
-/// `form` and `for`, for commands that choose the form of the normals of a material; `choice` says how auto chooses.
+/// `form` and `for`, for commands that choose the form of a material's normals; `choice` says how auto chooses.
 Parameter form_parameter(const std::string& choice, const std::string& default_text, unsigned surfaces);
 Parameter engine_parameter(unsigned surfaces);
 /// `uastc_effort` and `encoder`, for commands that encode textures as UASTC.
 Parameter uastc_effort_parameter(unsigned surfaces);
 Parameter encoder_parameter(unsigned surfaces);
-/// `absolute_geometry`, for command lines: jobs of the service always set it.
+/// `absolute_geometry`, only for command lines: jobs of the service always set it.
 Parameter absolute_geometry_parameter();
-/// `input`, `scene` or another file that a command reads first.
+/// Makes `input`, `scene` or another file that a command reads first.
 Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces);
 /// `two_channel` and `z_range`: the contents of the blue channel of a normal map.
 Parameter two_channel_parameter(unsigned surfaces);
 Parameter z_range_parameter(unsigned surfaces);
-/// `wrap`, `swrap`, `twrap`; `with_auto` adds the choice auto, which looks at the map.
+/// Makes `wrap`, `swrap` and `twrap`; `with_auto` adds the choice auto, which depends on the map.
 std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& default_text, unsigned surfaces);
 
 }  // namespace multum

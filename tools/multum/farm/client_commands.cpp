@@ -36,7 +36,7 @@ struct ClientOptions {
   bool json = false;
 };
 
-// The server of --server, of $MULTUM_SERVER, or the default one.
+// Connects to the server of --server, of $MULTUM_SERVER, or to the default server.
 HttpClient client_of(const ClientOptions& o) {
   const char* from_environment = std::getenv("MULTUM_SERVER");
   const std::string server = !o.server.empty()             ? o.server
@@ -59,13 +59,13 @@ void add_client_options(CLI::App& command, ClientOptions& o) {
                      "address of the service: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
                      "http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
-                     "file whose first line is the token of the service (default: $MULTUM_TOKEN_FILE)");
+                     "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);
 }
 
-constexpr std::size_t kMessageMax = 120;  // bytes of a message in a list, which has one line per job
+constexpr std::size_t kMessageMax = 120;  // maximum bytes of a message in a list, which has one line per job
 
-// The first line of a message, cut to kMessageMax bytes.
+// Returns the first line of a message, cut to kMessageMax bytes.
 std::string short_message(const std::string& message) {
   const std::string line = message.substr(0, message.find('\n'));
   if (line.size() <= kMessageMax) return line == message ? line : line + " ...";
@@ -86,7 +86,7 @@ std::string job_line(const Json& job, std::string message) {
 
 std::string job_line(const Json& job) { return job_line(job, job["message"].get<std::string>()); }
 
-// The jobs that a command prints: a line each, or one document at the end.
+// Prints jobs: one line per job, or one JSON document at the end.
 class PrintedJobs {
  public:
   explicit PrintedJobs(const ClientOptions& o) : json_(o.json) {}
@@ -104,7 +104,7 @@ class PrintedJobs {
   OrderedJson jobs_ = OrderedJson::array();
 };
 
-// A line per field.
+// Prints one line per field.
 void print_fields(const Json& job) {
   for (const auto& [key, value] : job.items())
     write_shown(stdout, fmt::format("{:<14} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump()));
@@ -115,16 +115,16 @@ void print_fields(const Json& job) {
 struct SubmitOptions {
   ClientOptions client;
   std::string output;
-  Job asked;  // only fields that have an option; `deadline` is in seconds from now
+  Job asked;  // holds only fields with an option; `deadline` is in seconds from now
   bool again = false, wait = false;
   std::map<std::string, std::string> values;
   std::map<std::string, bool> flags;
 };
 
-// The value as JSON. A text of another type is sent unchanged: the service then answers what it expected.
+// Returns the value as JSON. A string that does not parse is sent unchanged: the service's error says what it expected.
 Json value_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind == ParameterKind::kFile) {
-    // Also right for FILE:CHANNEL: the channel still follows the last colon.
+    // Also works for FILE:CHANNEL: the channel still follows the last colon.
     return text_of_path(fs::absolute(text).lexically_normal().string());
   }
   const std::optional<ParameterValue> value = parse_value(parameter, text);
@@ -134,7 +134,7 @@ Json value_of(const Parameter& parameter, const std::string& text) {
 
 bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& printed);
 
-// Adds a field whose value differs from the default of a job.
+// Adds a field if its value differs from the default of a job.
 template <typename Value>
 void add_asked(Json& job, const JobField& field, const Value& value) {
   static const Job kNone;
@@ -218,7 +218,7 @@ void add_submit(CLI::App& app, int* exit_code) {
         command->add_option("-o,--output", o->output, "file or folder of the result, on the disk of the service");
     if (type.needs_output) output->required();
     for (const JobField& field : job_fields())
-      // --device of a type is the OpenCL device.
+      // For job types with a --device parameter, --device chooses the OpenCL device.
       if (field.option != nullptr && command->get_option_no_throw(field.option) == nullptr)
         with_field(field, o->asked, [&](auto& value) { add_field_option(*command, field, value); });
     command->add_flag("--again", o->again, "run the job even if an earlier job made the same result");
@@ -230,10 +230,10 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
-// Time for which a waiting client asks a service that went away: long enough to outlive its restart.
+// Time for which a waiting client tries to reach a service that does not answer: long enough for a restart.
 constexpr auto kPatience = std::chrono::seconds(60);
 
-// Runs `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.
+// Calls `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.
 void persist(const std::function<bool(const std::function<void()>& answered)>& body) {
   using Clock = std::chrono::steady_clock;
   bool was_answered = false;
@@ -245,7 +245,7 @@ void persist(const std::function<bool(const std::function<void()>& answered)>& b
   for (;;) {
     try {
       if (body(answered)) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the connection was cut
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the connection was lost
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kEnvironment || !was_answered) throw;
       if (!gone_since) print_shown(stderr, "multum: %s Trying again.\n", error.what());
@@ -268,7 +268,7 @@ bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& print
   };
   if (ids.empty()) return true;
   persist([&](const std::function<void()>& answered) {
-    // Asks for jobs that are done while the event stream is open: events report changes only.
+    // Asks for the jobs that are already done while the event stream is open: events report only changes.
     const auto ask_all = [&] {
       answered();
       const std::set<std::int64_t> asked = ids;
@@ -324,7 +324,8 @@ int run_tail(ClientOptions& o, std::int64_t id) {
     log = client.text(fmt::format("/v1/jobs/{}/log", id));
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    // A character that is cut in half would be shown as two invalid ones; it waits for its other half.
+    // A character that is cut in half would be shown as two invalid ones, so the first half is kept until the rest
+    // arrives.
     const std::size_t ready = is_done ? log.size() : whole_characters(log);
     if (ready > shown && !o.json) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
     shown = std::max(shown, ready);
@@ -345,7 +346,7 @@ int run_tail(ClientOptions& o, std::int64_t id) {
   return state == "succeeded" ? 0 : 1;
 }
 
-// ---- The others
+// ---- Other commands
 
 template <typename Body>
 void add_for_ids(CLI::App& app, const char* name, const char* help, int* exit_code, Body body) {

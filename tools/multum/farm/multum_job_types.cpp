@@ -9,7 +9,7 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kMiB = 1 << 20;
-constexpr std::size_t kLooksMax = 16;  // pages that are kept; the page of the largest map is 37 MB
+constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map is 37 MB large
 
 constexpr const char* kNoScene = "a map; for a scene, submit a job of type scene";
 
@@ -23,7 +23,7 @@ JobType bake_type() {
           .output_extension = ".ndf.exr",
           .memory_bytes = 1024 * kMiB,
           .table = &bake_parameters(),
-          // Software GL: bakes may be using the GPU.
+          // Pictures are drawn in software, because bakes may be using the GPU.
           .views = {{.files = {"render.png", "input.png", "error.png"},
                      .program = "multum-view",
                      .words = {"thumbnails", "--context=osmesa"},
@@ -62,7 +62,8 @@ JobType export_type() {
           .input = "input",
           .output_is_folder = true,
           .input_is_one_map = true,
-          // Images of strangers are decoded by a child without rights. The worker itself would decode a baked file.
+          // Untrusted images are decoded by a child process without rights. The worker itself would decode a baked
+          // file.
           .refused_inputs = {{".ndf.exr", "a map, not a baked file"}, {".toml", kNoScene}},
           .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
           .memory_bytes = 1024 * kMiB,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the place of field_job_types.cpp where fields are not built.
+// Replaces field_job_types.cpp in a build without fields.
 #include "tools/multum/farm/multum_job_types.h"
 
 namespace multum {

@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Commands that a farm can run: they need no user, read files and write files.
+// Commands that a farm can run: they need no user input, and they read and write files.
 const std::set<std::string> kCommands = {"bake", "export", "infer", "pack", "mip", "reflectance", "tradeoff"};
 const std::set<std::string> kResumable = {"bake", "pack"};
 const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
@@ -38,12 +38,12 @@ const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report
 struct OpenJdOptions {
   CommonOptions common;
   std::string output, name;
-  int shards = 0;  // 0: one per map; one for an inference
+  int shards = 0;  // 0: one share per map, or one for an inference
   std::vector<std::string> words;
 };
 
-// Splits "--option=value" into two words, so that each path is a word of its own. Writes a set in this folder as ./SET,
-// so that it has a folder.
+// Splits "--option=value" into two words, so that each path is a separate word. Writes a set in the current folder as
+// ./SET, so that the path contains a folder.
 std::vector<std::string> split_words(const std::vector<std::string>& given) {
   std::vector<std::string> words;
   for (const std::string& word : given) {
@@ -73,12 +73,12 @@ std::string folder_of(const std::string& path) {
   return parent.empty() ? "." : parent.string();
 }
 
-// The path of a word: the folder of a set, or the file of FILE:CHANNEL.
+// Returns the path in a word: the folder of a set, or the file of FILE:CHANNEL.
 std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std::size_t at) {
   const std::string& word = words[at];
   FarmWord found{at, word, false, at > 0 && kOutputOptions.contains(words[at - 1])};
   if (found.is_output && word != "-") {
-    // A name without an extension is a folder that the command makes.
+    // A name without an extension is a folder that the command will make.
     found.is_folder = is_folder(word) || fs::path(word).extension().empty();
     if (!has_udim(word)) return found;
   }
@@ -94,13 +94,13 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
   return found;
 }
 
-// Checks the first word after the command, which is its input, now and not later on a worker.
+// Checks that the input, the first word after the command, exists. Otherwise the job would fail later on a worker.
 void check_input_is_there(const std::vector<std::string>& words) {
   if (words.size() < 2 || words[1].starts_with('-') || has_udim(words[1]) || exists(words[1])) return;
   throw Error(ErrorCode::kInput, words[1] + ": does not exist, expected the input of " + words[0]);
 }
 
-// One parameter of the job is the program; each path is another.
+// The program is one parameter of the job; each path is another parameter.
 void check_path_count(const FarmCommand& command, const std::string& kind) {
   constexpr std::size_t kPathsMax = kOpenJdParametersMax - 1;
   if (command.paths.size() <= kPathsMax) return;
@@ -161,7 +161,7 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
   return scene;
 }
 
-// Collects the files that a command reads besides those of its words, and the folders that it writes to.
+// Collects the folders that a command writes to, and the files that it reads although its words do not name them.
 void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   std::vector<std::string>& files = command.inputs;
   for (const FarmWord& path : command.paths) {
@@ -182,7 +182,7 @@ void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   }
 }
 
-// Collects the files and output folders of a manifest of exports.
+// Collects the files and output folders of the exports in a manifest.
 void collect_exports(FarmCommand& command) {
   const auto& words = command.words;
   const auto manifest = std::find(words.begin(), words.end(), "--manifest");
@@ -214,7 +214,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   collect_files(command, bakes);
   collect_exports(command);
   const int pieces = std::max(1, static_cast<int>(bakes.jobs.size()));
-  // A manifest is divided into maps, even if it has only one; a single map is divided into bands.
+  // A manifest is divided into maps, even if it lists only one. A single map without a manifest is divided into bands.
   command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene && !bakes.is_manifest;
   command.is_merged = bakes.is_scene || kind == "infer";
   command.shards = o.shards > 0 ? o.shards : pieces;
@@ -266,9 +266,8 @@ void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
   openjd
       ->add_option("--shards", options->shards,
-                   "divide the work into this many tasks (default: one per map of several maps or a scene, one for an "
-                   "inference); "
-                   "one map: into this many bands (default: no bands)")
+                   "divide the work into this many tasks (default: one per map, or one for an inference); one map: "
+                   "into this many bands (default: none)")
       ->check(CLI::Range(1, 999999));
   openjd->add_option("--name", options->name, "set the name of the job (default: the name of the command)");
   add_common_options(*openjd, options->common);

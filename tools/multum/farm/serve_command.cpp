@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: the daemon, and the rescue of its damaged ledger. Hidden commands: worker, which the daemon starts, and
-// slurm-task, which Slurm starts for it.
+// multum serve: runs the daemon, or rescues its damaged ledger. The daemon starts the hidden command `worker`. Slurm
+// starts the hidden command `slurm-task` for the daemon.
 #include <unistd.h>
 
 #include <cstdio>
@@ -51,7 +51,7 @@ ServiceSettings settings_of(const ServeOptions& o) {
 
 int run_serve(const ServeOptions& o) {
   const ServiceSettings settings = settings_of(o);
-  prepare_kernel_caches();  // before workers lose the right to write there
+  prepare_kernel_caches();  // runs before workers lose the right to write to the caches
   const int cores = processor_count();
   const int threads = settings.threads_a_worker > 0 ? settings.threads_a_worker : std::max(1, cores / settings.workers);
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
@@ -84,8 +84,8 @@ struct WorkerOptions {
   std::vector<std::string> roots;
 };
 
-// A job may open files only below the roots, and in those folders of the daemon's data that jobs use. So no picture,
-// scene or link leads anywhere else.
+// Limits a job to files below the roots and in the daemon's data folders for jobs. So no picture, scene or link can
+// lead to another folder.
 void confine_worker(const WorkerOptions& o, const std::string& scratch) {
   Confinement allowed = system_confinement(variable);
   allowed.writable.insert(allowed.writable.end(), o.roots.begin(), o.roots.end());
@@ -132,7 +132,7 @@ struct ConfinedOptions {
   std::vector<std::string> readable, writable, command;
 };
 
-// Confines this process and replaces it by another program.
+// Confines this process, then replaces it by another program.
 int run_confined(const ConfinedOptions& o) {
   Confinement allowed = system_confinement(variable);
   allowed.readable.insert(allowed.readable.end(), o.readable.begin(), o.readable.end());

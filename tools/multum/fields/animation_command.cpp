@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum animation: writes the job file of a folder of renders, for review and edits before the inference.
+// multum animation: writes the job file for a folder of renders. Users can review and edit it before the inference.
 #include <cstdio>
 #include <filesystem>
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that the rest of `multum` knows about fields. A build without fields (CMake option MULTUM_FIELDS) has
-// no_field_commands.cpp instead.
+// Declares all functions of fields that the rest of `multum` uses. A build without fields (CMake option MULTUM_FIELDS)
+// uses no_field_commands.cpp instead.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,18 +13,18 @@
 
 namespace multum {
 
-/// Adds animation, infer, pack, unpack and player, and the numerical cases of their kernels.
+/// Adds animation, infer, pack, unpack and player. Also adds the numerical test cases of their kernels.
 void add_field_commands(CLI::App& app, int* exit_code);
 
-/// The text of `multum info` about a packed field, or nullopt for any other file. Throws Error(kInput) for a damaged
-/// one.
+/// Returns the text of `multum info` about a packed field, or nullopt for any other file. Throws Error(kInput) for a
+/// damaged packed field.
 std::optional<std::string> packed_field_info(const std::string& path);
-/// The document of `multum info --json` about a packed field, or nullopt for any other file.
+/// Returns the document of `multum info --json` about a packed field, or nullopt for any other file.
 std::optional<OrderedJson> packed_field_json(const std::string& path);
-/// The findings of `multum verify` about a packed field, or nullopt for any other file.
+/// Returns the findings of `multum verify` about a packed field, or nullopt for any other file.
 std::optional<std::vector<VerifyFinding>> packed_field_findings(const std::string& path);
 
-/// The files that a job of texture inference names. Throws Error(kInput) for a job that cannot be read.
+/// Returns the files that a job of texture inference names. Throws Error(kInput) for a job that cannot be read.
 std::vector<std::string> files_of_inference(const std::string& job);
 
 }  // namespace multum

@@ -33,7 +33,7 @@ struct InferOptions {
   AnimationInferSettings settings;
   ParameterValues values{infer_parameters()};
   std::string job;
-  std::string shard;  // empty: all of it
+  std::string shard;  // empty: infer all textures
   int merged_shards = 0;
 };
 
@@ -68,7 +68,7 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
               inference_report_text(report).c_str(), o.settings.output.c_str());
 }
 
-// Draws frames, compares samplers and writes the report of all textures.
+// Draws frames, compares samplers, and writes the report about all textures.
 void finish(InferOptions& o, const ParameterizedScene& field, int sample, AnimationInferResult& result,
             Progress* progress) {
   const bool has_frames = !o.values.flag("no_frames"), has_comparison = !o.values.flag("no_comparison");

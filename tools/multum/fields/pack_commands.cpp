@@ -58,7 +58,7 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
-// FOLDER for "FOLDER/inferred.json", which jobs of the service name.
+// Returns FOLDER for "FOLDER/inferred.json", the form that jobs of the service use.
 std::string field_folder(const std::string& named) {
   const std::filesystem::path path(named);
   if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;
@@ -183,8 +183,8 @@ void add_pack(CLI::App& app, int* exit_code) {
       "Example:\n"
       "  multum pack inferred -o field.mpt --page field.html\n"
       "Give at most one of --ratio, --bytes, --mse-max and --lambda. With --lambda everything is coded once,\n"
-      "otherwise several times. A page holds at most 16 MiB of field and geometry. Too little --memory for one\n"
-      "chunk is refused, and the message says how much is needed. Threads, memory and device change no byte.\n"
+      "else several times. A page holds at most 16 MiB of field and geometry. If --memory is too small\n"
+      "for one chunk, an error says how much is needed. Threads, memory and device do not change the file.\n"
       "--verbose prints the bytes and the error of every chunk.");
   pack->add_option("folder", o.settings.folder, "folder of `multum infer`, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
@@ -205,7 +205,7 @@ void add_unpack(CLI::App& app, int* exit_code) {
   unpack->footer(
       "Example:\n"
       "  multum unpack field.mpt -o unpacked\n"
-      "A folder that already has an inferred.json is refused.");
+      "The command refuses a folder that already contains an inferred.json.");
   unpack->add_option("file", options->file, "packed field, *.mpt")->required();
   unpack->add_option("-o,--output", options->folder, "folder to write to")->required();
   add_common_options(*unpack, options->common);

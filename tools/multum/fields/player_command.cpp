@@ -45,7 +45,7 @@ void add_player_command(CLI::App& app, int* exit_code) {
   player->footer("Example:\n  multum player field.mpt -o field.html");
   player->add_option("field", options->field, "packed field, *.mpt")->required();
   player->add_option("-o,--output", options->output, "folder for any static server, or one page, *.html")->required();
-  // The service passes its roots: files that a field names are opened below them only.
+  // The service passes its roots, because files that a field names may be opened only below them.
   player->add_option("--root", options->roots)->allow_extra_args(false)->group("");
   add_common_options(*player, options->common);
   player->callback([options, exit_code] { *exit_code = run_player(*options); });

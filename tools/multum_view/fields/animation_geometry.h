@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objects of an animation as multum-view draws them: meshes with the texture coordinates of every mapping, and the
-// placement of each object.
+// The objects of an animation, as multum-view draws them: meshes with the texture coordinates of every mapping, and the
+// position of each object.
 #pragma once
 
 #include <memory>
@@ -14,18 +14,18 @@ namespace multum {
 
 class AnimationGeometry {
  public:
-  /// `manifest` must outlive this object. Looks for the manifest's geometry file starting from `folder`. Throws
-  /// Error(kInput) if textures were inferred for another file, or if the file lacks an object.
+  /// `manifest` must outlive this object. Searches for the manifest's geometry file from `folder`. Throws Error(kInput)
+  /// if the textures were inferred for another file, or if the file does not contain one of the objects.
   AnimationGeometry(const gl::GlFunctions& gl, const InferredManifest& manifest, const std::string& folder);
 
   const gl::Mesh& mesh(std::size_t object, std::size_t mapping) const { return *drawn_[object][mapping]; }
-  /// The matrix from object space to world space at a sample.
+  /// Returns the matrix from object space to world space at a sample.
   const glm::dmat4& place(std::size_t object, std::size_t sample) const;
 
  private:
   const InferredManifest& manifest_;
   std::vector<ObjectMesh> meshes_;
-  std::vector<std::size_t> places_;                            // index into meshes_ for each object
+  std::vector<std::size_t> places_;                            // for each object, its index in meshes_
   std::vector<std::vector<std::unique_ptr<gl::Mesh>>> drawn_;  // [object][mapping]
 };
 

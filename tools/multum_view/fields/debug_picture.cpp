@@ -15,13 +15,13 @@ constexpr Colour kGreen = {0.05f, 0.45f, 0.1f}, kYellow = {0.9f, 0.7f, 0.05f}, k
 constexpr Colour kBlue = {0.1f, 0.25f, 0.9f}, kViolet = {0.6f, 0.1f, 0.7f}, kGrey = {0.25f, 0.25f, 0.25f};
 constexpr Colour kWhite = {1.0f, 1.0f, 1.0f};
 
-/// A column of the picture, filled from the top down.
+/// A column of the picture, which is filled from the top down.
 class Column {
  public:
   Column(gl::FloatImage& image, int x, int width) : image_(image), x_(x), width_(width) {}
 
-  /// Fills rows `first` to `end`, counted upwards from the band's bottom, which is `bottom` rows below the picture's
-  /// top.
+  /// Fills rows `first` to `end`, counted upwards from the bottom of the band. The band's bottom is `bottom` rows below
+  /// the top of the picture.
   void fill(int bottom, int first, int end, const Colour& colour) {
     for (int row = first; row < end; ++row)
       for (int x = x_; x < x_ + width_; ++x)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the course of a playback, one column of pixels per frame: for each layer whether its images were ready in time,
-// what was decoded, and how full the memory was.
+// Draws the course of a playback, one column of pixels per frame. It shows for each layer whether its images were ready
+// in time, which data was decoded, and how full the memory was.
 //
-//      one band per layer  green: all of its images; above it, yellow: the share that was late; red: a texture of an
-//                          earlier frame; black: nothing to draw
+//      one band per layer  green: all images were ready; above it, yellow: the share that was late; red: the texture of
+//                          an earlier frame; black: nothing to draw
 //      decoding            blue: images decoded since the previous frame, one pixel each; violet: chunks
-//      memory              grey, relative to the band's height; a line marks the peak so far
+//      memory              grey, relative to the band's height; a line marks the highest value so far
 #pragma once
 
 #include <cstddef>

@@ -22,20 +22,19 @@ std::vector<ViewCommand> field_commands() {
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
       {"play", "Draw frames along a path through the parameters of a packed field, and decode it on the way",
        "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
-       "A path gives each parameter the index of a sample, from 0, such as 2.5. Other parameters stay at 0. An\n"
+       "A path sets each parameter to a sample index from 0, such as 2.5. Other parameters stay at 0. An\n"
        "index beyond the last sample counts as the last one. A value is made of numbers, + - * / ( ), sin, cos, pi\n"
        "and t, the seconds since the first frame (--rate). a..b goes from a in the first frame to b in the last.\n"
        "Between samples, camera and objects move smoothly. Textures come from the nearest sample, or from a mix\n"
-       "with --linear. With --linear, gamma-coded values are mixed, and samples of another texture size are left\n"
-       "out.\n\n"
-       "Without --no-wait a frame waits for all of its images; threads and memory change no picture. --memory is\n"
-       "never exceeded: a chunk may take a quarter of it, and a chunk that needs more is left out and named.\n"
-       "--upload does not count the coarsest image of each layer. An image of S samples has level log4(S) for\n"
-       "--lifetime-factor.\n\n"
+       "with --linear. --linear mixes gamma-coded values, and leaves out samples of another texture size.\n\n"
+       "Without --no-wait a frame waits for all of its images; threads and memory do not change pictures. --memory is\n"
+       "never exceeded: a chunk may use a quarter of it, and a chunk that needs more is left out and named.\n"
+       "--upload does not count the coarsest image of each layer. For --lifetime-factor, an image of `S` samples has\n"
+       "level `log4(S)`.\n\n"
        "The debug picture has a band per layer, from the top: green for available images, yellow for the share\n"
-       "that was late, red for images of an earlier frame. Below, a pixel each, are decoded images (blue), decoded\n"
-       "chunks (violet) and memory (white at its peak).\n\n"
-       "FILE.json is a path that the player in a browser saved. If --frames is longer than that path, it starts\n"
+       "that was late, red for images of an earlier frame. Below are decoded images (blue) and decoded chunks\n"
+       "(violet), one pixel each, and memory (white at its peak).\n\n"
+       "FILE.json is a path that the player in a browser saved. If --frames exceeds the path, the path starts\n"
        "again.",
        [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
        [](const CommandOptions& o) { return play_field(o.play); }},

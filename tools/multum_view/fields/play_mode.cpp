@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play: draws frames along a path through the parameters of a packed field, decoding as it goes.
+// multum-view play: draws frames along a path through the parameters of a packed field, and decodes while drawing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFrames = 24, kFramesMax = 9999;  // frame names have four digits
+constexpr int kFrames = 24, kFramesMax = 9999;  // file names of frames have four digits
 
 std::string played_frame_path(const PlayOptions& options, int frame) {
   return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
@@ -59,7 +59,7 @@ gl::PlayerSettings player_settings(const PlayOptions& options) {
   return settings;
 }
 
-/// Returns the parameter points of all frames.
+/// Returns the parameter values of all frames.
 std::vector<std::vector<double>> points_of(const PlayOptions& options, const ParameterPath& path) {
   const int count = options.frame_count > 0 ? options.frame_count : kFrames;
   std::vector<std::vector<double>> points;
@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns the `p` quantile of the values, `p` in 0..1, by the nearest rank.
+/// Returns a quantile of the values by the nearest rank; `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
@@ -240,15 +240,16 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "draw this many sub-pixels along each side of a pixel (default: as the field says)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
-               "mix the samples around a point linearly along each parameter, instead of the nearest sample");
+               "mix the samples around a point linearly along each parameter, instead of using the nearest sample");
   app.add_flag("--no-wait", options.draws_what_is_there,
                "draw decoded images only, coarsest first, without waiting; pictures then depend on the speed of the "
                "machine");
-  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure a jump");
+  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure jumps");
   app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--memory", options.memory, "keep decoded data within this memory, GPU included, such as 800M or 2G")
+  app.add_option("--memory", options.memory,
+                 "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
       ->capture_default_str();
   app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
       ->capture_default_str();

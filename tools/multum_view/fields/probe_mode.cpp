@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view probe: measures the filter matrices that a request file lists, and writes them into files. It runs as a
-// process of its own, so that a driver's crash ends only the measurement.
+// multum-view probe: measures the filter matrices that a request file lists, and writes them to files. It runs in its
+// own process, so that a driver crash ends only the measurement.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -29,9 +29,8 @@ std::string matrices_hash(const std::vector<gl::PlacedMesh>& placed) {
   return hash.finish();
 }
 
-// Returns the object of each task. Before anything is measured, it refuses tasks that could not finish, and output
-// files
-// that would overwrite each other or an input.
+// Returns the object of each task. Before measuring, refuses tasks that could not finish, and output files that would
+// overwrite each other or an input.
 std::vector<std::size_t> check_tasks(const ProbeRequest& request, const ProbeOptions& options,
                                      const std::vector<ObjectMesh>& meshes) {
   std::vector<std::size_t> objects;
@@ -53,7 +52,7 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
   log_info(context->description());
   const gl::GlFunctions& gl = context->functions();
   const gl::FilterProbe probe(gl, request.width, request.height, request.supersampling);
-  // The other objects only hide what is behind them, so their own coordinates are enough.
+  // The other objects only hide surfaces behind them, so their own coordinates are enough.
   std::vector<std::unique_ptr<gl::Mesh>> plain;
   std::vector<gl::PlacedMesh> placed;
   for (const ObjectMesh& mesh : meshes) {

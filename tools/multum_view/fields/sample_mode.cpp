@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view sample: draws points of the parameter space with inferred textures.
+// multum-view sample: draws samples of an animation with inferred textures.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <filesystem>
@@ -24,14 +24,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The textures of the drawn samples, from a folder or a packed field.
+/// The source of the drawn samples' textures: a folder or a packed field.
 class TextureSource {
  public:
   virtual ~TextureSource() = default;
   virtual const InferredManifest& manifest() const = 0;
   /// The folder that the manifest's names are relative to.
   virtual fs::path folder() const = 0;
-  /// All input files, including those of samples that this run does not draw.
+  /// Returns all input files, including the files of samples that this run does not draw.
   virtual std::set<fs::path> files() const = 0;
   /// Returns the texture and its name for each layer that the object has at the sample.
   virtual std::vector<std::pair<std::string, InferredTexture>> textures(std::size_t object, std::size_t sample) = 0;
@@ -47,7 +47,7 @@ class FolderTextures : public TextureSource {
     std::set<std::string> names = {kInferredManifestName};
     for (const InferredObject& object : manifest_.objects)
       for (const InferredLayer& layer : object.layers) names.insert(layer.textures.begin(), layer.textures.end());
-    std::set<fs::path> paths;  // without duplicates: a folder may hold one texture per sample
+    std::set<fs::path> paths;  // without duplicates: a folder can contain one texture per sample
     for (const std::string& name : names)
       if (!name.empty()) paths.insert(folder_ / name);
     return paths;
@@ -67,7 +67,7 @@ class FolderTextures : public TextureSource {
   InferredManifest manifest_;
 };
 
-/// The textures of a packed field. It reads chunks on demand, leaves out damaged ones, and reports them.
+/// The textures of a packed field. Reads chunks on demand, leaves out damaged chunks, and reports them.
 class PackedTextures : public TextureSource {
  public:
   explicit PackedTextures(const std::string& path) : path_(path), file_(path) {}
@@ -87,7 +87,7 @@ class PackedTextures : public TextureSource {
     }
     return found;
   }
-  /// Throws Error(kVerification) naming the chunks that were left out.
+  /// Throws Error(kVerification), naming the chunks that were left out.
   void refuse_damage() const {
     if (damaged_.empty()) return;
     throw Error(ErrorCode::kVerification,
@@ -109,7 +109,7 @@ class PackedTextures : public TextureSource {
 
   std::string path_;
   PackedFieldFile file_;
-  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<TextureChunk>> chunks_;  // [layer, block]; null: none
+  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<TextureChunk>> chunks_;  // by layer, block
   std::vector<std::string> damaged_;
 };
 
@@ -201,7 +201,7 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
          "--at", options.samples,
          "draw this sample: its index along each parameter, such as 3,5, or its name; repeatable, with an -o each")
       ->required()
-      ->allow_extra_args(false);  // or it takes the folder, where that comes last
+      ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
   app.add_option("-o,--output", options.outputs, "picture of each sample to write: .png (sRGB) or .exr (linear floats)")
       ->required()
       ->allow_extra_args(false);

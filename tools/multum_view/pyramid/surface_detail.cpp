@@ -14,13 +14,12 @@ namespace multum {
 namespace {
 
 CLI::Option* add_level(CLI::App& app, const std::string& name, DetailOptions& options) {
-  return app.add_option(name, options.level, "set the level of detail, any number from 0 (default: 0)")
+  return app.add_option(name, options.level, "set the level of detail, which may be a fraction (default: 0)")
       ->check(number_in(0.0f, 32.0f));
 }
 
 void add_spacing(CLI::App& app, const std::string& name, CLI::Option* level, DetailOptions& options) {
-  app.add_option(name, options.spacing,
-                 "choose the level of detail at which neighbouring points are this many pixels apart")
+  app.add_option(name, options.spacing, "choose the level whose neighbouring points are this many pixels apart")
       ->check(number_in(0.01f, 1000.0f))
       ->excludes(level);
 }

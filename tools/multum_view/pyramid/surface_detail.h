@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options for the level of detail of a surface that comes from a pyramid of heights or positions.
+// Options for the level of detail of a surface that is read from a pyramid of heights or positions.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,20 +13,20 @@
 namespace multum {
 
 struct DetailOptions {
-  std::optional<float> level;    // unset: 0, or chosen by `spacing`
+  std::optional<float> level;    // unset: 0, or the level that `spacing` chooses
   std::optional<float> spacing;  // pixels between neighbouring points
 };
 
 /// Adds --level and --point-spacing.
 void add_detail_options(CLI::App& app, DetailOptions& options);
-/// Adds --surface-level and --surface-spacing, for a surface that is not the drawn file.
+/// Adds --surface-level and --surface-spacing, for a surface other than the drawn file.
 void add_surface_detail_options(CLI::App& app, DetailOptions& options);
 
 /// Throws Error(kInput) if the pyramid holds neither heights nor positions.
 Pyramid read_surface_pyramid(const std::string& path);
-/// `height`: the picture's height in pixels.
+/// Returns the level of detail. `height` is the picture's height in pixels.
 double detail_level(const DetailOptions& options, const Pyramid& pyramid, const gl::Camera& camera, int height);
-/// Converts a surface. It has no map, so its tangents are arbitrary.
+/// Converts a surface. Its tangents are arbitrary, because it has no map.
 TriangleMesh to_triangle_mesh(const PyramidSurface& surface);
 
 }  // namespace multum

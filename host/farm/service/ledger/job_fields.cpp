@@ -3,7 +3,7 @@
 
 namespace multum {
 
-// In the order of the page and the schemas.
+// The fields are in the order of the page and the schemas.
 const std::vector<JobField>& job_fields() {
   using Form = JobField::Form;
   static const std::vector<JobField> rows = {
@@ -101,19 +101,19 @@ const std::vector<JobField>& job_fields() {
        .member = &Job::device,
        .label = "device",
        .asked_as = "device",
-       .asked_described = "Name of a device in the settings, whose limit applies to the job.",
+       .asked_described = "Name of a device in the settings. Its limit applies to the job.",
        .expected = "the name of a device",
        .option = "--device",
-       .option_help = "device that the service counts the job on"},
+       .option_help = "device whose limit in the settings applies to the job"},
       {.name = "created",
        .member = &Job::created,
        .form = Form::kTime,
-       .described = "UTC, to the millisecond.",
+       .described = "UTC time with milliseconds.",
        .label = "submitted"},
       {.name = "not_before",
        .member = &Job::not_before,
        .form = Form::kTime,
-       .described = "End of the back-off.",
+       .described = "Time when the back-off ends.",
        .label = "not before"},
       {.name = "started",
        .member = &Job::started,
