@@ -36,7 +36,7 @@ def finest_square(x, y, encoding):
 
 
 def materials(attributes, version):
-    """Returns the number of weights, and whether the file holds roughness. Either raises the version by one."""
+    """Returns the number of weights, and whether the file contains roughness. Either raises the version by one."""
     found = attributes["multum:formatVersion"]
     assert found in (version, version + 1), "another version"
     if found == version:

@@ -40,7 +40,7 @@ def read_filter_matrix(path):
 
 
 def picture_of(matrix, texels):
-    """Computes coverage times A x, as [y, x, channel]. Add the pictures of all objects."""
+    """Computes coverage times the product of matrix and texture, [y, x, channel]. Add the pictures of all objects."""
     header, pixels, coverage, row_begin, columns, weights = matrix
     row_of_entry = np.repeat(np.arange(len(pixels)), np.diff(row_begin))
     sums = np.zeros((len(pixels), texels.shape[1]))

@@ -98,7 +98,7 @@ struct AnimationJob {
 std::string animation_job_text(const AnimationJob& job, const std::string& folder);
 
 /// Makes a job for a folder of renders: scene.json with rad_vVV_pPP.exr and geom_vVV.exr, or id_vVV_pPP.png if objects
-/// move (docs/reference/animation_jobs.md, "Folders that are understood"). Throws Error(kInput) with the expected
+/// move (docs/reference/animation_jobs.md, "Supported folders"). Throws Error(kInput) with the expected
 /// files.
 AnimationJob job_for_folder(const std::string& folder);
 
