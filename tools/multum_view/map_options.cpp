@@ -161,10 +161,9 @@ void check_map_options(const MapOptions& options) {
   if (!picture.camera.distances.empty() && picture.surface.mesh.empty())
     throw Error(ErrorCode::kUsage, "--distance needs a mesh, found no --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
-    throw Error(
-        ErrorCode::kUsage,
-        "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, which leaves "
-        "filtering to the driver");
+    throw Error(ErrorCode::kUsage,
+                "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, with which "
+                "the driver filters");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())

@@ -239,7 +239,7 @@ Rows fit_rows() {
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",
-       .help = "take the start candidate of lowest error without trying all of them; saves half a second",
+       .help = "choose the start of the coarsest level without test fits on a small proxy map; saves half a second",
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
