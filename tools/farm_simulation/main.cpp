@@ -6,7 +6,7 @@
 //
 //   commands' thread   squeue, files of all parts that are with Slurm, then one sbatch per chunk  (slurm_pool.h)
 //   ledger's thread    ends of parts, claims, notes: one transaction for each kind                (queue_thread.h)
-//   nodes              one chunk each; after a node failure, the chunk restarts on another node without finished jobs
+//   nodes              one chunk each; after a node failure, the chunk restarts elsewhere, without its finished jobs
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 

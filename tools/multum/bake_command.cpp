@@ -123,7 +123,8 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
 void check_merge(const BakeOptions& o, bool is_several) {
   if (o.merged_shards == 1) throw Error(ErrorCode::kUsage, "--merge is 1, expected at least 2 shares of one map");
   if (is_several)
-    throw Error(ErrorCode::kUsage, "found --merge for several maps, expected one map: shares of several need no merge");
+    throw Error(ErrorCode::kUsage,
+                "found --merge for several maps, expected one map: shares of several maps need no merge");
   if (has_target(o))
     throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: the shares already have their settings");
 }

@@ -35,7 +35,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
   }
   const TransferCounts& t = report.transfers;
   if (t.uploads + t.downloads > 0)
-    print_shown(out, "copies: %llu to the device, %.1f MiB; %llu back, %.1f MiB\n",
+    print_shown(out, "copies: %llu to the device (%.1f MiB), %llu back (%.1f MiB)\n",
                 static_cast<unsigned long long>(t.uploads), static_cast<double>(t.upload_bytes) / (1 << 20),
                 static_cast<unsigned long long>(t.downloads), static_cast<double>(t.download_bytes) / (1 << 20));
 }

@@ -58,13 +58,13 @@ bool can_write(const fs::path& folder) { return access(folder.c_str(), W_OK | X_
 
 DoctorFinding cache_finding(const std::string& folder, const std::string& what, const std::string& variable) {
   if (folder.empty())
-    return {DoctorState::kWarning, "cache", fmt::format("{}: switched off, kernels are compiled in every run", what),
+    return {DoctorState::kWarning, "cache", fmt::format("{}: switched off, so kernels are compiled in every run", what),
             fmt::format("Unset {}, or set it to a folder that can be written.", variable)};
   // Opening a device replaces a folder that cannot be written by a private folder (kernel_caches.h).
   const char* const used = std::getenv(variable.c_str());
   if (used != nullptr && used != folder)
     return {DoctorState::kWarning, "cache",
-            fmt::format("{}: {} cannot be written, kernels are compiled in every run", what, folder),
+            fmt::format("{}: {} cannot be written, so kernels are compiled in every run", what, folder),
             fmt::format("Set {} to a folder that can be written.", variable)};
   const FolderSize size = folder_size(folder);
   return {DoctorState::kFine, "cache",
@@ -185,7 +185,7 @@ DoctorFindings decoder_findings() {
   const std::string program = decoder_beside_this_program();
   if (access(program.c_str(), X_OK) != 0)
     return {{DoctorState::kFailure, "decoder", fmt::format("{}: is missing, so images cannot be read", program),
-             "Install multum-decode next to multum; both must be of the same build."}};
+             "Install multum-decode next to multum; both must come from the same build."}};
   if (!can_confine())
     return {{DoctorState::kWarning, "decoder",
              "files are decoded in a child process with limited memory and time, but this kernel cannot confine it",

@@ -83,7 +83,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
           ->check(CLI::PositiveNumber);
   command
       ->add_option("--budget-ms", o->budget_ms,
-                   "choose the most accurate settings that bake within this many milliseconds")
+                   "choose the most accurate settings whose bake takes at most this many milliseconds")
       ->check(CLI::PositiveNumber)
       ->excludes(error);
   command

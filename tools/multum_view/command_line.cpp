@@ -131,8 +131,7 @@ const char* const kExamples =
 void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
   app.require_subcommand(0, 1);
-  app.add_option("file", options.map.file,
-                 "baked map, *.ndf.exr, or its lobe textures of multum export --lobes, *.ktx2");
+  app.add_option("file", options.map.file, "baked map, *.ndf.exr, or lobe texture of multum export --lobes, *.ktx2");
   add_picture_option(app, options.map.picture.output);
   add_pictures_option(app, options.map.picture.output);
   add_alone_option(app, options.map.picture.output);

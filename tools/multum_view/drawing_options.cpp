@@ -83,7 +83,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
            options.anisotropy = anisotropy;
            options.filter.is_drivers = true;
          },
-         "let the driver filter, with this anisotropy; drivers differ")
+         "let the driver filter with this anisotropy; drivers differ")
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)

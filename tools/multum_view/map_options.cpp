@@ -15,10 +15,9 @@ namespace multum {
 namespace {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
-  app.add_option(
-      "--source", options.normals,
-      "read the normal map of the bake from here, for the reference, the baselines and levels that the file leaves out "
-      "(default: level 0 of the file)");
+  app.add_option("--source", options.normals,
+                 "read the normal map of the bake from this file, for the reference, the baselines and levels that the "
+                 "baked file leaves out (default: level 0 of the file)");
   app.add_option("--albedo", options.albedo, "read the colours of the source from this map");
   CLI::Option* const roughness = app.add_option(
       "--roughness", options.roughness, "read the roughness of the source from FILE or FILE:CHANNEL, as in the bake");
@@ -73,7 +72,7 @@ void add_map_options(CLI::App& app, MapOptions& options) {
   add_comparison_options(app, options.comparison);
   add_source_options(app, options.source);
   app.add_flag("--stored-only", options.stored_only,
-               "draw the finest stored level instead of a finer level that the file leaves out, without --source");
+               "draw the finest stored level instead of finer levels that the file leaves out; needs no --source");
   add_mesh_option(app, picture.surface);
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
@@ -82,9 +81,9 @@ void add_map_options(CLI::App& app, MapOptions& options) {
       "--brdf-roughness", options.brdf_roughness,
       "multiply the ROUGHNESS of --brdf ggx by this map of the same size, FILE or FILE:CHANNEL; only for lobes under "
       "lights, with --compare reference or mip");
-  app.add_option("--shaders", options.shaders,
-                 "write the used shader variants as JSON: flags, text without #version, and uniforms that the driver "
-                 "kept");
+  app.add_option(
+      "--shaders", options.shaders,
+      "write the shader variants in use as JSON: flags, text without #version, and uniforms that the driver kept");
   add_parameter_options(app, options.source.reading,
                         {"bumpformat", "green", "signed", "unsigned", "two_channel", "z_range", "height_scale",
                          "dequantize", "normal_scale", "fixnan", "repair_max"},
@@ -123,9 +122,9 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
           options.point_lights.push_back(parse_point_light("--to-point-light", text));
       },
       "set --point-light of the last frame; give as many as --point-light");
-  app.add_option("--to-environment", options.environment,
-                 "fade --environment into this one of the same size; its harmonics and filtered levels change in every "
-                 "frame");
+  app.add_option(
+      "--to-environment", options.environment,
+      "fade --environment into this environment of the same size; harmonics and filtered levels change in every frame");
   app.add_option("--to-environment-turn", options.environment_turn, "set --environment-turn of the last frame")
       ->check(number_in(-3600.0f, 3600.0f));
   app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame, of the same family");
@@ -161,10 +160,9 @@ void check_map_options(const MapOptions& options) {
   if (!picture.camera.distances.empty() && picture.surface.mesh.empty())
     throw Error(ErrorCode::kUsage, "--distance needs a mesh, found no --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
-    throw Error(
-        ErrorCode::kUsage,
-        "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, which leaves "
-        "filtering to the driver");
+    throw Error(ErrorCode::kUsage,
+                "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, with which "
+                "the driver filters");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())

@@ -151,25 +151,25 @@ Rows representation_rows() {
 Rows storage_rows() {
   Parameter surface = surface_parameter("; level 0 is then the normal map (--first-level 1)", kJob);
   surface.hashed_as = "surface";
-  Rows rows = {
-      std::move(surface),
-      {.name = "first_level",
-       .kind = Kind::kInteger,
-       .help = "store this level and coarser ones; renderers take finer levels from the normal map",
-       .low = 0,
-       .high = 15,  // the coarsest level of a map with 32768 texels per side
-       .default_text = "0",
-       .hashed_as = "first_level",
-       .surfaces = kJob},
-      {.name = "data_format",
-       .kind = Kind::kChoice,
-       .help = "set the storage precision; half loses kappa above 1000 of lobes and is the default for moments and sh",
-       .default_text = "snorm16",
-       .choices = choice_names(kStorageEncodings),
-       .hashed_as = "encoding",
-       .short_option = "-d",
-       .chosen_by_target = true,
-       .surfaces = kJob}};
+  Rows rows = {std::move(surface),
+               {.name = "first_level",
+                .kind = Kind::kInteger,
+                .help = "store this level and coarser ones; renderers take finer levels from the normal map",
+                .low = 0,
+                .high = 15,  // the coarsest level of a map with 32768 texels per side
+                .default_text = "0",
+                .hashed_as = "first_level",
+                .surfaces = kJob},
+               {.name = "data_format",
+                .kind = Kind::kChoice,
+                .help = "set the storage precision; half, the default for moments and sh, is inaccurate for lobes with "
+                        "kappa above 1000",
+                .default_text = "snorm16",
+                .choices = choice_names(kStorageEncodings),
+                .hashed_as = "encoding",
+                .short_option = "-d",
+                .chosen_by_target = true,
+                .surfaces = kJob}};
   rows.push_back(compression_parameter(kJob));
   return rows;
 }
@@ -187,7 +187,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "reference",
        .help = "fit every normal at every level with 30 iterations and no early stop: slower; the defaults are "
-               "measured against this",
+               "compared with this fit",
        .hashed_as = "settled_change",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -239,7 +239,7 @@ Rows fit_rows() {
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",
-       .help = "take the start candidate of lowest error without trying all of them; saves half a second",
+       .help = "choose the start of the coarsest level without test fits on a small proxy map; saves half a second",
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -327,7 +327,7 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "budget_ms",
            .kind = Kind::kNumber,
-           .help = "choose the most accurate settings that read, fit and write within this time",
+           .help = "choose the most accurate settings whose bake (reading, fitting, writing) takes at most this time",
            .high = kUnbounded,
            .low_excluded = true,
            .unit = "ms",

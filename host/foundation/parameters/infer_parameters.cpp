@@ -13,8 +13,7 @@ const ParameterTable& infer_parameters() {
       "infer", {input_parameter("job", "animation.toml of `multum animation`", kInService),
                 {.name = "hold_out",
                  .kind = Kind::kInteger,
-                 .help = "leave every Nth view out of layers that do not depend on the view, and report the "
-                         "error at those views",
+                 .help = "leave every Nth view out of view-independent layers, and report the error at those views",
                  .low = 2,
                  .high = 1000,
                  .surfaces = kJob},
@@ -43,7 +42,7 @@ const ParameterTable& infer_parameters() {
                  .surfaces = kJob},
                 {.name = "context",
                  .kind = Kind::kChoice,
-                 .help = "infer for this GL: auto, osmesa (software) or egl",
+                 .help = "infer textures for this GL: auto, osmesa (software) or egl",
                  .default_text = "auto",
                  .choices = choice_names(kContextBackends),
                  .surfaces = kJob},

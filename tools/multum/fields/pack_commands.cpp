@@ -169,7 +169,7 @@ int run_unpack(const UnpackOptions& o) {
   if (prints_text(o.common))
     print_shown(stdout, "%s: written: %zu textures of %zu chunks\n", o.folder.c_str(), report.textures, report.chunks);
   if (report.damaged.empty()) return 0;
-  std::string text = "damaged chunks were left out, everything else is unpacked:";
+  std::string text = "damaged chunks were left out; everything else is unpacked:";
   for (const std::string& damaged : report.damaged) text += "\n  " + damaged;
   throw Error(ErrorCode::kVerification, text);
 }

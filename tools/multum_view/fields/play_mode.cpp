@@ -294,7 +294,7 @@ int play_field(const PlayOptions& options) {
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;
-  std::string text = "damaged parts are left out, everything else is drawn:";
+  std::string text = "damaged parts are left out; everything else is drawn:";
   for (const std::string& what : damaged) text += "\n  " + what;
   throw Error(ErrorCode::kVerification, text);
 }

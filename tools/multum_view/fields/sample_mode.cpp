@@ -90,8 +90,9 @@ class PackedTextures : public TextureSource {
   /// Throws Error(kVerification), naming the chunks that were left out.
   void refuse_damage() const {
     if (damaged_.empty()) return;
-    throw Error(ErrorCode::kVerification,
-                fmt::format("damaged parts are left out, everything else is drawn:\n{}", fmt::join(damaged_, "\n")));
+    throw Error(ErrorCode::kVerification, fmt::format("damaged parts are left out; everything else is drawn:\n"
+                                                      "{}",
+                                                      fmt::join(damaged_, "\n")));
   }
 
  private:

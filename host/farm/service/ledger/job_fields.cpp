@@ -35,7 +35,7 @@ const std::vector<JobField>& job_fields() {
        .member = &Job::label,
        .label = "label",
        .asked_as = "label",
-       .asked_described = "A text for people.",
+       .asked_described = "A human-readable text.",
        .expected = "a string of up to 1000 characters",
        .option = "--label",
        .option_help = "label, any text"},
