@@ -45,7 +45,7 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
                   report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
                   storage_encoding_name(header.header.encoding), kappa_max,
                   header.header.encoding == StorageEncoding::kHalf
-                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, float larger values",
+                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, and float larger values",
                                            family.kappa_max(StorageEncoding::kSnorm16)))
                       : advice("; <data_format float> keeps them")));
 }

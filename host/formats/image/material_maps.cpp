@@ -196,7 +196,7 @@ const char* name_of(NamedMap map) {
   return "";
 }
 
-// Uses the name and the values together, because neither alone is proof.
+// Uses the name and the values together, because neither is a proof by itself.
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;

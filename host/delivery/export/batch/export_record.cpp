@@ -55,7 +55,7 @@ ExportState find_export_state(const ExportJob& job) {
   if (const std::string tiles = record.value("tiles", "");
       !tiles.empty() && reading.tiles != nullptr &&
       !tiles_are_unchanged(tiles, *reading.tiles, reading.tile, reading.fix_nan))
-    return {ExportFinding::kStale, "other tiles of its set have changed, which affect its borders or its green axis"};
+    return {ExportFinding::kStale, "other tiles of its set that affect its borders or its green axis have changed"};
   for (const auto& [text, hash] : record["files"].items()) {
     const std::string name = path_of_text(text);
     if (!is_plain_name(name)) return {ExportFinding::kStale, fmt::format("{}: names files in other folders", path)};

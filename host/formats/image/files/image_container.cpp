@@ -41,9 +41,9 @@ constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 // signature contains line ends, which reveal transfers in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
-    return "its line ends were changed from \\n to \\r\\n, as by a transfer in text mode";
+    return "its line ends were changed from \\n to \\r\\n, probably by a transfer in text mode";
   if (head.starts_with("\x89PNG\n\x1a"))
-    return "its line ends were changed from \\r\\n to \\n, as by a transfer in text mode";
+    return "its line ends were changed from \\r\\n to \\n, probably by a transfer in text mode";
   if (head.size() < kPngSignature.size()) return "";
   std::string changed;
   std::size_t count = 0;

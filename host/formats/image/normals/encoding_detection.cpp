@@ -347,7 +347,8 @@ void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, con
   std::vector<std::string> names;
   for (const auto& [is_given, name] : given)
     if (is_given) names.emplace_back(name);
-  if (!names.empty()) warnings.push_back(fmt::format("settings without effect on {}", what) + names_as_advice(names));
+  if (!names.empty())
+    warnings.push_back(fmt::format("these settings have no effect on {}", what) + names_as_advice(names));
 }
 
 DetectedEncoding height_field(const std::string& reason, const HeightReading& reading,

@@ -173,7 +173,7 @@ void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const Heig
                    const NormalMapSettings& settings) {
   const auto scale = static_cast<double>(settings.height_scale);
   if (settings.dequantize && steps.step == 0.0)
-    report.warnings.push_back("settings without effect on heights without steps" + names_as_advice({"dequantize"}));
+    report.warnings.push_back("this setting has no effect on heights without steps" + names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
   report.warnings.push_back(
       fmt::format("its heights have steps of {}: at a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
