@@ -32,7 +32,7 @@ namespace {
 // In fp32 sums, a spread below this value (8 roundings of 2^-24) is indistinguishable from a single direction.
 constexpr double kSpreadZero = 5e-7;
 
-// The two grid neighbours of a value: the magnitude of `inner` is not larger than the value's magnitude, the magnitude of `outer`
+// The two grid neighbours of a value. The magnitude of `inner` is not larger than the value, the magnitude of `outer`
 // not smaller.
 struct Bracket {
   float inner;
