@@ -24,9 +24,9 @@ class StartMemory;
 struct BakeJob {
   std::string input;                // a normal map or height field
   std::string albedo;               // empty: no colours
-  std::string roughness;            // FILE or FILE:CHANNEL (parse_channel_file); empty: none
+  std::string roughness;            // FILE or FILE:CHANNEL (parse_channel_file); empty if there is none
   bool roughness_is_gloss = false;  // the file holds 1 - roughness
-  std::string weights;              // weights of basis BRDFs, a channel each; empty: none
+  std::string weights;              // weights of basis BRDFs, a channel each; empty if there are none
   std::string output;               // *.ndf.exr
   std::string report;               // JSON file; empty: none
   NormalMapSettings reading;
@@ -43,12 +43,12 @@ struct BakeJob {
   std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty: none
   bool stored_only = false;        // levels finer than the first stored one are never seen nor measured
   bool force = false;              // bake even if the output has the same file and settings
-  std::uint64_t memory_bytes = 0;  // limit of resident memory; 0: a quarter of the machine's memory
+  std::uint64_t memory_bytes = 0;  // limit of resident memory; 0 means a quarter of the machine's memory
   std::string scratch_folder;      // folder for data that does not fit into memory; empty: the output's folder
   bool resume = false;             // continue a killed bake of the same output
   // Lobes only: fit one process's share of the map, to a file next to the output (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
-  int merged_shards = 0;  // number of finished shares to merge into the output; 0: fit all
+  int merged_shards = 0;  // number of finished shares to merge into the output; 0 to fit all rows
   // If not empty, the file that was baked before an edit and receives a newly fitted region of the map. Without
   // `region`, the changed part is fitted.
   std::string onto;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters of bake_parameters() to a job: the same words make the same job on command lines, in
+// Applies the parameters of bake_parameters() to a job: equal parameters make equal jobs on command lines, in
 // manifests, in scenes and for candidates of a target.
 #pragma once
 

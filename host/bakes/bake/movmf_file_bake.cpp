@@ -55,7 +55,7 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
 // that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
-// Bytes of the tile rows that the writer holds: of the fitted level, and of level 0 together with level 1.
+// Bytes of the tile rows that the writer holds: rows of the fitted level, and of level 0 together with level 1.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);

@@ -38,7 +38,7 @@ struct MovmfSettings {
   // lobes with a kappa and to binned normals.
   bool refine = false;
   FitOrder order = FitOrder::kColour;
-  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
+  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0 for none
   bool search_start = true;  // try the coarsest level's candidates on a small proxy of the map
   // For comparison, starts the coarsest level only from the normals that are farthest apart.
   bool farthest_start = false;

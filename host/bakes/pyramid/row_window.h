@@ -93,7 +93,7 @@ struct MapWindows {
 };
 
 /// Copies all rows once for all levels to a device with its own memory, if it has room for them and for the levels'
-/// windows. Otherwise returns nullopt, and windows of some rows are used.
+/// windows. Otherwise returns nullopt, and windows with some rows are used.
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
                                         const std::vector<const PlaneStore*>& rgb_planes);
 

@@ -83,7 +83,7 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier`: the map's row in the earlier report, used to recognise unchanged files; null: none.
+// `earlier`: the map's row in the earlier report, used to recognise unchanged files; null if there is none.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;

@@ -47,7 +47,7 @@ std::string target_key(const BakeJob& job, const BakeTarget& target);
 /// `best_effort`. Keeps a file that was chosen for the same target from the same source (BakeReport::unchanged),
 /// unless JOB.force. Throws as bake_file() does.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress);
-/// Bakes from `source`, the result of read_bake_source() for the job; null: reads it.
+/// Bakes from `source`, the result of read_bake_source() for the job; if null, reads it.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, const BakeSource* source, Device& device,
                           Progress* progress);
 

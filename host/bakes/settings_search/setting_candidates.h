@@ -47,7 +47,7 @@ struct SettingCandidate {
 /// representations.
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
-/// Candidates of kTargetSearch with representation `only`, the cheapest first. nullopt: all except Gaussians: with
+/// Candidates of kTargetSearch with representation `only`, the cheapest first. nullopt means all except Gaussians: with
 /// equal lobe counts, their error is never lower than that of vMFs (docs/evidence/ACCURACY.md), and they cost as much.
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only);
 

@@ -35,7 +35,7 @@ struct ThreadCompressor {
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor;
 };
 
-// Returns the number of bytes written; 0: not enough room.
+// Returns the number of bytes written, or 0 if there is not enough room.
 //
 // Workaround "ISA-L 2.30 hashes its own address" (2.32 has the fault too). At the start of a stream, the long loop of
 // levels 1 and 2 enters its third string into the hash table under a wrong hash (igzip_icf_body_h1_gr_bt.asm,
