@@ -58,7 +58,7 @@ struct BakeJob {
   // states the time that the search would have taken (FitReport::start_remembered). If null, each bake searches for its
   // own start.
   std::shared_ptr<StartMemory> starts;
-  // Hashes of the input files. Copies of a job share them, so that each file is hashed once.
+  // Hashes of the input files. Copies of a job share the hashes, so that each file is hashed once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
 };
 
@@ -68,8 +68,8 @@ constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::r
 /// Parses BakeJob::roughness, which must not be empty.
 ChannelFile roughness_file(const BakeJob& job);
 
-/// The finest level whose error is measured. Finer levels are never seen, or contain the normal map's own texels
-/// instead of points of the surface.
+/// Returns the finest level whose error is measured. Finer levels are never seen, or contain the normal map's own
+/// texels instead of points of the surface.
 int first_measured_level(const BakeJob& job);
 
 /// BakeJob::memory_bytes for a command whose --memory covers only maps and buffers: adds the program and the OpenCL

@@ -73,7 +73,8 @@ void make_unaligned(MovmfSettings& settings);
 /// Throws Error(kUsage) naming the setting, its value and its range.
 void validate(const MovmfSettings& settings);
 
-/// Every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this text.
+/// Returns every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this
+/// text.
 std::string settings_json(const MovmfSettings& settings);
 
 }  // namespace multum

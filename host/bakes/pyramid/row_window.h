@@ -18,7 +18,7 @@
 
 namespace multum {
 
-/// Wraps `row` to a level or map of `size` rows; `row` may be outside by a few sizes.
+/// Wraps `row` to a level or map of `size` rows; `row` can be outside by a few times `size`.
 inline int wrapped_row(int row, int size) { return ((row % size) + size) % size; }
 
 /// Splits rows [first_row, first_row + row_count) into pieces that do not wrap, and calls body(first, count, at) for

@@ -33,7 +33,7 @@ struct Attempt {
 
   const ReachedError& judged() const { return confirmed ? *confirmed : reached; }
   BakeReport report;
-  std::vector<std::string> warnings;  // warnings, which are printed for the chosen attempt
+  std::vector<std::string> warnings;  // warnings, which are printed if this attempt is chosen
 };
 
 // Bakes candidates in a folder of unfinished work next to the output, which is removed unless a stopped bake may

@@ -39,8 +39,8 @@ void check_target(const BakeTarget& target, const BakeJob& job);
 
 /// Describes a target: "an error of 0.1 for ggx:0.4", "a bake of 500 ms for lambert by vmf".
 std::string target_text(const BakeTarget& target);
-/// target_text() and a hash of the job's other settings: equal for equal files. Throws Error(kInput) if one of the
-/// maps cannot be read.
+/// Returns target_text() and a hash of the job's other settings. Keys are equal for equal files. Throws Error(kInput)
+/// if one of the maps cannot be read.
 std::string target_key(const BakeJob& job, const BakeTarget& target);
 
 /// Ignores JOB's representation, lobes, order and effort. JOB.output appears if the target is met, or with

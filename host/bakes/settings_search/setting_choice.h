@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// The BRDF whose error counts; "roughness" for a bake with a roughness map.
+/// The BRDF of the target error; "roughness" for a bake with a roughness map.
 struct TargetBrdf {
   AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without shading and colours
   std::string text = id.text();                        // its name in options

@@ -43,7 +43,7 @@ float step_value(int step) { return static_cast<float>(step * kSnormStep); }
 
 Bracket bracket_snorm(double value) {
   const double steps = value * kSnormSteps;
-  // Lobes have at most length 1. NaN and infinity stay unchanged.
+  // Lobes have a length of at most 1. NaN and infinity stay unchanged.
   if (!(std::abs(steps) < 1e6)) return {static_cast<float>(value), static_cast<float>(value)};
   const int inner = static_cast<int>(steps);
   const int outer = inner + static_cast<int>(steps > inner) - static_cast<int>(steps < inner);

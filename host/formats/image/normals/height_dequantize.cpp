@@ -40,7 +40,7 @@ struct TileCuts {
   // Range of texels from which a tile is solved.
   int begin(int tile) const { return cut(tile) - (is_first(tile) ? before : kOverlap); }
   int end(int tile) const { return cut(tile + 1) + (is_last(tile) ? after : kOverlap); }
-  // Weight of a tile at a texel.
+  // Returns the weight of a tile at a texel.
   float weight(int tile, int texel) const {
     const auto rise = [](int from_cut) {
       return std::clamp((static_cast<float>(from_cut + kOverlap) + 0.5f) / (2.0f * kOverlap), 0.0f, 1.0f);

@@ -56,7 +56,7 @@ std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool
   return text;
 }
 
-constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // expected surfaces: 3 to 79 degrees
+constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // slopes of expected surfaces: 3 to 79 degrees
 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 

@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Makes stdout write each line as soon as it is complete, and never part of a line, even to pipes and files. Call it
+/// Makes stdout write only complete lines, as soon as they are complete, even to pipes and files. Call it
 /// once, before any output.
 void begin_whole_lines();
 
