@@ -319,7 +319,7 @@ class Comparison {
     }
   }
 
-  // The factor that the reference's averages omit.
+  // Returns the factor that the reference's averages omit.
   double value_scale(bool is_light, std::size_t highlight) const {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }

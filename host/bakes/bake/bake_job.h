@@ -39,7 +39,7 @@ struct BakeJob {
   bool measure = true;                                            // measure the error of the written file
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s; Lambert is always measured
   std::vector<Highlight> highlights;                              // further highlights, measured for the report
-  bool measure_levels = true;                                     // measure single levels, in addition to pixels
+  bool measure_levels = true;                                     // true to measure single levels in addition to pixels
   std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty: none
   bool stored_only = false;        // levels finer than the first stored one are never seen nor measured
   bool force = false;              // bake even if the output has the same file and settings

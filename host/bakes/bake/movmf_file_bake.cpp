@@ -26,7 +26,7 @@ namespace {
 
 // Share of normals in too sharp lobes above which a warning is printed. Every map has some such lobes at level 1, from
 // two or three normals that are nearly equal. Measured with snorm16: 2 to 28 % on ordinary maps, 36 to 57 % on
-// surfaces with slopes of 0.01 rms, which only a glossy material shows.
+// surfaces with slopes of 0.01 rms, which are visible only on glossy materials.
 constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {

@@ -281,7 +281,8 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kBinned)
     bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
-  // The largest step has a quarter of a band's texels, or one texel per two rows in a scan line's wavefront.
+  // The largest step has a quarter of a band's texels. In scan-line order, it has one texel per two rows of the
+  // wavefront.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)

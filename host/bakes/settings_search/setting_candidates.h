@@ -18,7 +18,7 @@ enum CandidateUser : unsigned {
   kQuickSweep = 2,    // multum tradeoff --quick
   kDefaultSweep = 4,  // multum tradeoff
   kFullSweep = 8,     // multum tradeoff --full
-  kScenePlan = 16,    // a scene whose error should match the default's
+  kScenePlan = 16,    // a scene whose error should match the default bake
   kSceneTarget = 32,  // a scene with a target error
 };
 

@@ -53,7 +53,7 @@ struct SettingTrial {
   double fixed_seconds;  // time that does not grow with the map: start and coarse levels
 };
 
-/// Trials of one map, each made once when requested.
+/// Trials of one map; each trial is made once, when requested.
 class SettingTrials {
  public:
   /// `source` and `device` must outlive the object.

@@ -23,7 +23,7 @@
 
 namespace multum {
 
-/// Corners of triangles, three per triangle.
+/// Triangle corners, three per triangle.
 struct TriangleCorners {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  // unit

@@ -22,7 +22,7 @@ namespace {
 constexpr int kTileSide = 1024;  // about
 constexpr int kOverlap = kDequantizeMargin;
 
-// Tiles along one direction of `count` texels. Texels beyond a side count if they are known.
+// Tiles along one direction of `count` texels. Known texels beyond a side also count.
 struct TileCuts {
   std::vector<int> cuts;  // from 0 to count
   int before, after;      // texels beyond the sides

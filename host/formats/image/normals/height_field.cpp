@@ -3,7 +3,7 @@
 //   dh/dx = (h(column + 1) - h(column - 1)) / 2      dh/dy = (h(row - 1) - h(row + 1)) / 2
 //   n = (-dh/dx, -dh/dy, 1) / |..|
 // Beyond the border, a periodic map wraps around, a neighbouring tile continues the surface, and black means height
-// 0. If nothing is beyond the border (clamp and mirror, or no data), the slope is the difference to the only
+// 0. If there is no data beyond the border (clamp and mirror, or no data), the slope is the difference to the only
 // neighbour:
 //   dh/dx = h(column + 1) - h(column)   or   h(column) - h(column - 1)
 #include "host/formats/image/normals/height_field.h"
