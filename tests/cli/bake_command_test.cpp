@@ -271,7 +271,7 @@ TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
   const ProgramResult warned = multum(bake);
   EXPECT_EQ(warned.exit_code, 0) << warned.err;
   expect_says(warned.err,
-              {"heights.png: ", "height field", "a height scale of 1", "warning: ", "--green", "without effect"});
+              {"heights.png: ", "height field", "a height scale of 1", "warning: ", "--green", "no effect"});
   bake.emplace_back("--quiet");
   EXPECT_EQ(multum(bake).err, "");
 }

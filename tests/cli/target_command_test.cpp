@@ -40,7 +40,7 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
       met.out, judged,
       std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*measured at footprints that were not used to choose the "
                  "settings; at the footprints that were used: (\\S+) \\+- [^]*95 % of pixels have errors "
-                 "of at most \\S+ %; the worst pixels cover \\d+ to \\d+ texels and have \\S+ %")))
+                 "of at most \\S+ %; the worst pixels cover \\d+ to \\d+ texels and have an error of \\S+ %")))
       << met.out;
   EXPECT_LE(std::stod(judged[1]) + std::stod(judged[2]), 30.0);
   EXPECT_NE(judged[1], judged[3]) << "the same footprints again";

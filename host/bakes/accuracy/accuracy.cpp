@@ -319,7 +319,7 @@ class Comparison {
     }
   }
 
-  // The factor that the reference's averages omit.
+  // Returns the factor that the reference's averages omit.
   double value_scale(bool is_light, std::size_t highlight) const {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
@@ -557,7 +557,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
     const bool takes_mean = channel >= 0 && !shown.has_colours();
     const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
     std::vector<float> values;
-    // If there are several ways to shade, the runtime's default is the last.
+    // If there are several shading methods, the runtime's default is the last.
     shading->shade(taps, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
                    values);
     for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {

@@ -79,7 +79,7 @@ AccuracyDirections accuracy_directions();
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
   std::vector<Highlight> highlights;                     // further highlights, after the exponents
-  std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
+  std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0 means every texel
   int footprints_per_octave = 256;                       // 0: none
   int replicates = 1;                                    // number of choices of footprints; seeds are consecutive
   std::uint64_t seed = 1;

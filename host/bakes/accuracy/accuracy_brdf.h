@@ -27,7 +27,7 @@ struct AccuracyBrdf {
   /// Replaces spaces in the name by underscores, because a space precedes the shading method.
   static AccuracyBrdf named(std::string name);
 
-  /// True if the BRDF is the same, with any shading, with or without colours.
+  /// True if the BRDFs are equal; ignores shading methods and colours.
   bool is_same_brdf(const AccuracyBrdf& other) const {
     return kind == other.kind && exponent == other.exponent && name == other.name;
   }

@@ -24,7 +24,7 @@ struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
-  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, which divides lights; 0: no such map
+  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, which divides lights; 0 if there is none
   // [half vector]: index in `lights` of the light whose cosine n . l multiplies the highlights; empty if there is no
   // cosine.
   std::vector<int> half_vector_lights = {};

@@ -45,7 +45,7 @@ class RowSums {
   virtual void finish() {}
 };
 
-/// Averages of row values over the selected texels.
+/// Computes averages of row values over the selected texels.
 class TexelSums : public RowSums {
  public:
   void finish() override;

@@ -57,7 +57,7 @@ bool is_shaded_alike(const AccuracyBrdf& a, const AccuracyBrdf& b) {
   return a.shading == b.shading && a.has_colours == b.has_colours;
 }
 
-// `brdfs`: at least one, all with the same shading.
+// `brdfs` has at least one entry; all entries have the same shading method.
 std::string table(const std::vector<AccuracyRow>& rows, const std::vector<AccuracyBrdf>& brdfs) {
   std::map<int, double> confidences;  // [level]: confidence of all rows of the level
   bool has_intervals = false;

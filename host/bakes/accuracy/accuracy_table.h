@@ -15,7 +15,7 @@ namespace multum {
 std::string footprint_error_text(const std::vector<FootprintError>& errors);
 
 /// Formats a table with a line per level and a column per BRDF, with intervals if texels were sampled. There is a table
-/// for each way of shading, and further tables for rows with colours. Empty if there are no rows.
+/// for each shading method, and further tables for rows with colours. Empty if there are no rows.
 std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 
 /// JSON array of [level, point, BRDF, error, half width of its 95 % interval], with six digits behind the point. Half

@@ -37,8 +37,8 @@ class BrdfRows {
 };
 
 /// Evaluates rows of normals whose lengths contain a BRDF's width (host/formats/image/material_maps.h): densities
-/// towards `omega` of the vMF lobe of each normal. For Lambert, returns max(0, omega . n) of the unit normal, which
-/// diffuse light depends on.
+/// towards `omega` of the vMF lobe of each normal. For Lambert, returns max(0, omega . n) of the unit normal, on which
+/// diffuse light depends.
 void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
                         double* values);
 

@@ -120,11 +120,11 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
         !row.brdf.has_colours)
       error = std::max(error, row.error);
   if (error <= kDiffuseErrorNoted) return;
-  report.roughness->warnings.push_back(
-      fmt::format("{}: with roughness baked in, the error of diffuse light is up to {:.3g} % at levels 0 and 1, where "
-                  "averaged normals are nearly exact, because roughness varies strongly over the map. If diffuse light "
-                  "matters, compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
-                  job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
+  report.roughness->warnings.push_back(fmt::format(
+      "{}: with roughness baked in, the error of diffuse light is up to {:.3g} % at levels 0 and 1, because "
+      "roughness varies strongly over the map. Averaged normals are nearly exact at these levels. If diffuse "
+      "light matters, compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
+      job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
   log_named_warning(report.roughness->warnings.back());
 }
 

@@ -24,9 +24,9 @@ class StartMemory;
 struct BakeJob {
   std::string input;                // a normal map or height field
   std::string albedo;               // empty: no colours
-  std::string roughness;            // FILE or FILE:CHANNEL (parse_channel_file); empty: none
+  std::string roughness;            // FILE or FILE:CHANNEL (parse_channel_file); empty if there is none
   bool roughness_is_gloss = false;  // the file holds 1 - roughness
-  std::string weights;              // weights of basis BRDFs, a channel each; empty: none
+  std::string weights;              // weights of basis BRDFs, a channel each; empty if there are none
   std::string output;               // *.ndf.exr
   std::string report;               // JSON file; empty: none
   NormalMapSettings reading;
@@ -39,16 +39,16 @@ struct BakeJob {
   bool measure = true;                                            // measure the error of the written file
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s; Lambert is always measured
   std::vector<Highlight> highlights;                              // further highlights, measured for the report
-  bool measure_levels = true;                                     // measure single levels, in addition to pixels
+  bool measure_levels = true;                                     // true to measure single levels in addition to pixels
   std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty: none
   bool stored_only = false;        // levels finer than the first stored one are never seen nor measured
   bool force = false;              // bake even if the output has the same file and settings
-  std::uint64_t memory_bytes = 0;  // limit of resident memory; 0: a quarter of the machine's memory
+  std::uint64_t memory_bytes = 0;  // limit of resident memory; 0 means a quarter of the machine's memory
   std::string scratch_folder;      // folder for data that does not fit into memory; empty: the output's folder
   bool resume = false;             // continue a killed bake of the same output
   // Lobes only: fit one process's share of the map, to a file next to the output (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
-  int merged_shards = 0;  // number of finished shares to merge into the output; 0: fit all
+  int merged_shards = 0;  // number of finished shares to merge into the output; 0 to fit all rows
   // If not empty, the file that was baked before an edit and receives a newly fitted region of the map. Without
   // `region`, the changed part is fitted.
   std::string onto;
@@ -58,7 +58,7 @@ struct BakeJob {
   // states the time that the search would have taken (FitReport::start_remembered). If null, each bake searches for its
   // own start.
   std::shared_ptr<StartMemory> starts;
-  // Hashes of the input files. Copies of a job share them, so that each file is hashed once.
+  // Hashes of the input files. Copies of a job share the hashes, so that each file is hashed once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
 };
 
@@ -68,8 +68,8 @@ constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::r
 /// Parses BakeJob::roughness, which must not be empty.
 ChannelFile roughness_file(const BakeJob& job);
 
-/// The finest level whose error is measured. Finer levels are never seen, or contain the normal map's own texels
-/// instead of points of the surface.
+/// Returns the finest level whose error is measured. Finer levels are never seen, or contain the normal map's own
+/// texels instead of points of the surface.
 int first_measured_level(const BakeJob& job);
 
 /// BakeJob::memory_bytes for a command whose --memory covers only maps and buffers: adds the program and the OpenCL

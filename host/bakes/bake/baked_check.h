@@ -16,7 +16,7 @@
 namespace multum {
 
 struct BakedCheck {
-  std::string damage;     // the first finding; empty: the file is undamaged
+  std::string damage;     // the first finding; empty if the file is undamaged
   StatedErrors measured;  // empty if the file is damaged
 };
 

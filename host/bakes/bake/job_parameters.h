@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters of bake_parameters() to a job: the same words make the same job on command lines, in
+// Applies the parameters of bake_parameters() to a job: equal parameters make equal jobs on command lines, in
 // manifests, in scenes and for candidates of a target.
 #pragma once
 
@@ -31,7 +31,7 @@ ParameterValues without_those_of_target(ParameterValues values);
 /// Options of `multum bake` for the values of representation, fit and storage: "--ndf vmf --lobes 3".
 std::string options_text(const ParameterValues& values);
 
-/// A given parameter that is for another representation than `ndf`; null if there is none.
+/// Returns a given parameter of a representation other than `ndf`; null if there is none.
 const Parameter* given_of_another_ndf(const ParameterValues& values);
 /// The values of --ndf that the parameter is for: "for vmf and gmm".
 std::string scope_text(const Parameter& parameter);

@@ -30,7 +30,7 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
   if (share <= kLimitedNoted) return;
   log_warning(run.job.input, fmt::format("{:.1f} % of the normals are steeper than a slope of {} (87 degrees) and are "
-                                         "limited to this slope: LEAN draws highlights there that are too narrow{}",
+                                         "limited to this slope, so that LEAN draws their highlights too narrow{}",
                                          100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
 }
 

@@ -26,7 +26,7 @@ namespace {
 
 // Share of normals in too sharp lobes above which a warning is printed. Every map has some such lobes at level 1, from
 // two or three normals that are nearly equal. Measured with snorm16: 2 to 28 % on ordinary maps, 36 to 57 % on
-// surfaces with slopes of 0.01 rms, which only a glossy material shows.
+// surfaces with slopes of 0.01 rms, which are visible only on glossy materials.
 constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
@@ -45,7 +45,7 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
                   report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
                   storage_encoding_name(header.header.encoding), kappa_max,
                   header.header.encoding == StorageEncoding::kHalf
-                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, float larger values",
+                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, and float larger values",
                                            family.kappa_max(StorageEncoding::kSnorm16)))
                       : advice("; <data_format float> keeps them")));
 }
@@ -55,7 +55,7 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
 // that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
-// Bytes of the tile rows that the writer holds: of the fitted level, and of level 0 together with level 1.
+// Bytes of the tile rows that the writer holds: rows of the fitted level, and of level 0 together with level 1.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);

@@ -50,7 +50,7 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
       changes.push_back(fmt::format("the {} has changed", map->second));
     else if (key == "kernels")
       changes.emplace_back("it was baked with kernels that differ from the kernels of this program");
-    else changes.push_back(fmt::format("{} was {}, is {}", key, shown(old_json, key), shown(new_json, key)));
+    else changes.push_back(fmt::format("{} was {} and is now {}", key, shown(old_json, key), shown(new_json, key)));
   }
   return changes;
 }
@@ -132,7 +132,7 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   if (there->file_hash() != job.hashes->hash(job.input)) reasons.emplace_back("the source has changed");
   else if (!there->source_tiles.empty() && job.reading.tiles != nullptr &&
            !tiles_are_unchanged(there->source_tiles, *job.reading.tiles, job.reading.tile, job.reading.fix_nan))
-    reasons.emplace_back("other tiles of its set have changed, which affect its borders or its green axis");
+    reasons.emplace_back("other tiles of its set that affect its borders or its green axis have changed");
   if (there->software != software_version())
     reasons.push_back(fmt::format("it was baked by {}, but this program is {}", there->software, software_version()));
   if (there->settings != settings)

@@ -94,8 +94,8 @@ bool is_near(int begin, int end, const TexelRange& range, int height) {
   return false;
 }
 
-// Compares the stored values of a texel, whichever lobe the texel belongs to. Ignores rounding differences between two
-// encodings of the same map.
+// Compares the stored values of a texel; the texel can belong to different lobes. Ignores rounding differences between
+// two encodings of the same map.
 bool is_same_texel(const MovmfFinest& a, const MovmfFinest& b, std::size_t i) {
   constexpr float kNormalSteps = 2.0f / 32767.0f, kColourSteps = 2.0f / 2048.0f;
   const auto is_near = [](float x, float y, float steps) {

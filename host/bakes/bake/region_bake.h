@@ -24,7 +24,7 @@ struct MapRegion {
   bool operator==(const MapRegion&) const = default;
 };
 
-/// The smallest rectangle of level 0 that contains every changed texel: those that differ from `old` by more than two
+/// The smallest rectangle of level 0 that contains every changed texel: texels that differ from `old` by more than two
 /// steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt if `old`
 /// stores no level 0. `header`: of the file to write; `normals`, `features`: the data to compare. Throws as RegionBake
 /// does.

@@ -16,7 +16,7 @@
 
 namespace multum {
 
-// Members of the report in a share's note; one list for writing and reading.
+// Members of the report in a share's note. Writing and reading use the same list.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
                                    tiles, warnings)
@@ -35,7 +35,7 @@ constexpr int level_of_feature(std::size_t store) { return kNormalsLevel - stati
 constexpr int kPlaneRows = 32, kFeatureRows = kPlaneRows / 3;
 constexpr std::uint64_t kPlaneGap = sizeof(RowBlock) + RecordFile::kHeadBytes + RecordFile::kChecksumBytes;
 
-// Lists the stores of normals, then of features, three planes each.
+// Lists the stores of normals, then the stores of features; each has three planes.
 template <typename Source, typename Store>
 std::vector<Store*> stores_of(Source& source) {
   std::vector<Store*> stores = {&source.map.normals};

@@ -39,7 +39,7 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// Keys of the material maps, and the job's members for them.
+// Keys of the material maps, and the corresponding members of the job.
 constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
     {"albedo", &BakeJob::albedo}, {"roughness", &BakeJob::roughness}, {"weights", &BakeJob::weights}};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports a run over a manifest for build services: JUnit XML, Markdown, a list for a terminal, and the exit code.
+// Reports a run over a manifest to build services, as JUnit XML, Markdown, a list for a terminal, and an exit code.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings one map of a manifest up to date: bakes it if its file is missing or stale, else leaves it unchanged. A check
-// also verifies and measures the file.
+// Brings one map of a manifest up to date: bakes the map if its file is missing or stale, otherwise leaves the file
+// unchanged. A check also verifies and measures the file.
 #pragma once
 
 #include <cstdint>

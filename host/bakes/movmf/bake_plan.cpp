@@ -88,9 +88,9 @@ std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& 
     const BandPlan& band = levels.at(level.level);
     const bool whole = band.band_rows >= level.fit.height;
     const char* method = level.method == FitMethod::kTexels   ? "all normals"
-                         : level.method == FitMethod::kChoice ? "each normal to a lobe"
+                         : level.method == FitMethod::kChoice ? "each normal assigned to a lobe"
                          : level.method == FitMethod::kBinned ? "binned normals"
-                                                              : "all normals, one band of the map after another";
+                                                              : "all normals, by bands of the map";
     text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,
                         method, whole ? "at once" : fmt::format("{} rows at a time", band.band_rows),
                         static_cast<double>(fit_level_bytes(level, settings, rgb_plane_count, band)) / (1 << 20));

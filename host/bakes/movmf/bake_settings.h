@@ -38,7 +38,7 @@ struct MovmfSettings {
   // lobes with a kappa and to binned normals.
   bool refine = false;
   FitOrder order = FitOrder::kColour;
-  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
+  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0 for none
   bool search_start = true;  // try the coarsest level's candidates on a small proxy of the map
   // For comparison, starts the coarsest level only from the normals that are farthest apart.
   bool farthest_start = false;
@@ -73,7 +73,8 @@ void make_unaligned(MovmfSettings& settings);
 /// Throws Error(kUsage) naming the setting, its value and its range.
 void validate(const MovmfSettings& settings);
 
-/// Every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this text.
+/// Returns every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this
+/// text.
 std::string settings_json(const MovmfSettings& settings);
 
 }  // namespace multum

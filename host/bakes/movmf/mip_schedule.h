@@ -54,7 +54,7 @@ constexpr int kCellSideShortened = 47;
 /// With early stops, a texel of at most this many normals (level 1) runs kIterationsFewNormals iterations instead.
 /// Lobes of such a texel find the normals at once and then move slowly. A stop when the lobes have almost stopped
 /// moving increases the error by up to a fifth. Softer starts, with kappa times kStartFactorFewNormals, converge sooner
-/// and reduce the error at centres. A stronger alignment passes the gain on to the points between them.
+/// and reduce the error at centres. With a stronger alignment, errors between centres also decrease.
 constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
@@ -64,10 +64,10 @@ constexpr float kAlignmentFactorFewNormals = 1.2f;
 /// 256 x 256 texels with s = 100, errors at midpoints rise from 10.8 to 11.4 % at level 1, and from 12.5 to 12.6 % at
 /// level 2. Texels of level 3 cover 64 normals, or about 64 if sides are not powers of two.
 constexpr float kRefinedNormalsMin = 32.0f;
-/// Approximate number of samples per chunk of EM.
+/// Approximate number of samples per EM chunk.
 constexpr int kSamplesPerChunk = 4096;
 
-/// `weighted`: use the kernels that weigh samples even if texels cover whole texels (the same result).
+/// `weighted`: use the kernels that weigh samples, even if texels cover only whole texels. The result is equal.
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
 /// Number of facets that a shortened normal represents when EM divides it among lobes (movmf_em.clh). Errors at level 2

@@ -110,7 +110,7 @@ void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& se
   AverageReport averaged;
   average_map(device, averages, planes, averaged, progress);
   report.plan = averaged.plan;
-  // The pass counts as one level.
+  // The pass counts as one level of progress.
   const int width = map.normals->width(), height = map.normals->height();
   progress_advance(progress, movmf_bake_units(width, height, settings.first_level) -
                                  static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));

@@ -73,7 +73,7 @@ class StartTrial {
         plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
 
   // Builds the pyramid from one candidate and returns its error at texel centres and between. The error of the finer
-  // levels decides whether a start is good. Neither the likelihood nor the error of the start itself predicts their
+  // levels decides whether a start is good. Neither the likelihood nor the error of the start itself predicts this
   // error: on the four-quarter map with 6 lobes, the best start ranked 14th by error. With 4096 normals, a candidate
   // takes about 50 ms.
   double error_from(const std::vector<MultumVmfLobe>& start) const {

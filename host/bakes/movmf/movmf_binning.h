@@ -31,7 +31,7 @@ RowWindow::Fill fill_binned(const BinnedLevel& level, const RowStore& samples, s
 
 /// Bins the levels of `schedule` whose method is kBinned, for lobes of `representation`; returns them by level.
 /// `features` are rgb_planes. The map is read in bands of at most `band_rows` rows, which do not change the result. If
-/// one band holds all rows and the map is `on_device` (null: it is not), it is read from there. Throws Cancelled.
+/// one band holds all rows and `on_device` is not null, the map is read from the device. Throws Cancelled.
 std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
                                       const std::vector<const PlaneStore*>& features, const MipSchedule& schedule,
                                       Representation representation, int band_rows, MapWindows* on_device,

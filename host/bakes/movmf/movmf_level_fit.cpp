@@ -39,7 +39,7 @@ int parent_row_of(const MultumMovmfFit& fit, int row) {
   return std::min(real >> 1, fit.parent_height - 1) + (row - real) / fit.height * fit.parent_height;
 }
 
-// One past the last row of the map that texels of rows up to `row` read.
+// Returns one past the last map row that texels of rows up to `row` read.
 int map_rows_end(const MultumMovmfFit& fit, int row) { return first_covered_row(fit, row) + fit.sample_rows; }
 
 WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
@@ -246,7 +246,7 @@ std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
   return texels;
 }
 
-// Uses the steps of the fit, so that no launch has more texels than a launch of EM.
+// Uses the steps of the fit, so that no launch has more texels than an EM launch.
 void LevelFit::refine(RowRange rows) {
   for (int step = 0; step < level_.step_count; ++step)
     em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
@@ -281,7 +281,8 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kBinned)
     bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
-  // The largest step has a quarter of a band's texels, or one texel per two rows in a scan line's wavefront.
+  // The largest step has a quarter of a band's texels. In scan-line order, it has one texel per two rows of the
+  // wavefront.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host in double precision. The bake's EM starts
-// from them (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
+// from these mixtures (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
 #pragma once
 
 #include <cmath>

@@ -17,7 +17,7 @@ namespace multum {
 /// lobes for the file, if they differ from the first lobes.
 enum class RowPart { kLobes, kFeatures, kStored };
 
-/// Bytes per row of each part; 0: the part is missing.
+/// Bytes per row of each part; 0 if the part is missing.
 using RowBytes = std::array<std::uint64_t, 3>;
 
 /// Header of a record of rows; the rows of each part follow.

@@ -18,7 +18,7 @@
 
 namespace multum {
 
-/// Wraps `row` to a level or map of `size` rows; `row` may be outside by a few sizes.
+/// Wraps `row` to a level or map of `size` rows; `row` can be outside by a few times `size`.
 inline int wrapped_row(int row, int size) { return ((row % size) + size) % size; }
 
 /// Splits rows [first_row, first_row + row_count) into pieces that do not wrap, and calls body(first, count, at) for
@@ -93,7 +93,7 @@ struct MapWindows {
 };
 
 /// Copies all rows once for all levels to a device with its own memory, if it has room for them and for the levels'
-/// windows. Otherwise returns nullopt, and windows of some rows are used.
+/// windows. Otherwise returns nullopt, and windows with some rows are used.
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
                                         const std::vector<const PlaneStore*>& rgb_planes);
 

@@ -112,7 +112,7 @@ class EffectRows {
             fmt::format("{} {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("margin {}", percent_text(scene_.budget.estimate_margin))
-                            : fmt::format("the 4 lobes of the default bake have {}, the limit is {}",
+                            : fmt::format("the 4 lobes of the default bake have errors of {}, and the limit is {}",
                                           parts_text(plan_.default_bake.error), parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)

@@ -315,7 +315,7 @@ double LobeErrors::lean_error(const std::vector<ShadedBy>& shadings, ColourModel
         const double base = 1.0 / *by.exponent, a = ss - s * s + base, c = uu - u * u + base, b = su - s * u;
         const double x = -w.x / w.z - s, y = -w.y / w.z - u, determinant = a * c - b * b;
         const double distance = (c * x * x - 2.0 * b * x * y + a * y * y) / determinant;
-        // A density in the unit of shade_normal(), 1/2 pi.
+        // Converts a density to the unit of shade_normal(), 1/2 pi.
         return std::exp(-0.5 * distance) / std::sqrt(determinant) / (w.z * w.z * w.z) * colour;
       },
       shadings, colours);

@@ -41,7 +41,8 @@ struct LobeErrorSettings {
 double lobe_lambert(const glm::dvec3& r, const glm::dvec3& light);
 
 /// Estimates relative L1, sum |model - reference| / sum reference over texels and directions, with equal weights for
-/// levels, for the worst of `shadings`. `lobe_count` 0: the direction of the mean normal, without any spread.
+/// levels, for the worst of `shadings`. If `lobe_count` is 0, uses the direction of the mean normal, without any
+/// spread.
 class LobeErrors {
  public:
   /// `survey` must outlive the object.

@@ -12,7 +12,7 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsASample = 65536;
-// Largest share of lobes that may be too sharp for the storage; every map has some
+// Largest allowed share of lobes that are too sharp for the storage; every map has some
 // (host/bakes/bake/movmf_file_bake.cpp).
 constexpr double kUnrepresentableMax = 1.0 / 3.0;
 

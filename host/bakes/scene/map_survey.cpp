@@ -173,7 +173,7 @@ class Survey {
   struct Band {
     std::optional<NumberedRow> row;  // row of band_level_, if the band is summed
     std::vector<LevelSums> levels;
-    std::array<Range, 6> ranges;  // x, y, z, red, green, blue
+    std::array<Range, 6> ranges;  // ranges of x, y, z, red, green, blue
   };
 
   int width_of(int level) const { return mip_level_size(survey_.width, level); }

@@ -38,7 +38,7 @@ struct SurveyedTexel {
 struct MapSurvey {
   int width = 0, height = 0;
   std::vector<LevelStatistics> levels;  // from level 1 on
-  std::vector<SurveyedTexel> texels;    // surveyed texels level by level, from level 1 on
+  std::vector<SurveyedTexel> texels;    // surveyed texels by level, from level 1 on
   double normal_range = 0.0;            // the largest difference in x or y between two normals of the map
   double colour_range = 0.0;            // the largest difference in red, green or blue
   double z_min = 0.0;                   // over all normals

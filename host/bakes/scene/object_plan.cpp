@@ -91,8 +91,8 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
           !environment ? "the scene has none"
           : !highlight ? "the material has no highlight"
           : plan.environment_by_harmonics
-              ? "harmonics up to order 8: the highlight is broad"
-              : fmt::format("prefiltered mips: order 8 ends at s = {:.0f}", kHarmonicsExponentMax));
+              ? "harmonics up to order 8, because the highlight is broad"
+              : fmt::format("prefiltered mips, because order 8 suffices only up to s = {:.0f}", kHarmonicsExponentMax));
   return plan;
 }
 

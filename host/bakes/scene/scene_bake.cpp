@@ -83,7 +83,7 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier`: the map's row in the earlier report, used to recognise unchanged files; null: none.
+// `earlier`: the map's row in the earlier report, used to recognise unchanged files; null if there is none.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;
@@ -252,7 +252,7 @@ std::string SceneReport::to_text() const {
     all_unchanged &= map.bake.unchanged && (!map.has_colours || map.colours.unchanged);
     if (const auto& d = map.difference)
       text += fmt::format(
-          "{}: differs from the default bake by {} ({}, 95 % interval), by at most {} at any level (level {})\n",
+          "{}: differs from the default bake by {} ({}, 95 % interval), and by at most {} at any level (level {})\n",
           map.name, error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
     else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
       text += fmt::format("{}: identical to the default bake\n", map.name);

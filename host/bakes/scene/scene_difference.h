@@ -16,7 +16,7 @@ namespace multum {
 /// Relative L1 of diffuse light or of highlights, whichever is larger: sum |scene - default bake| / sum default bake.
 struct SceneDifference {
   double error = 0.0;       // mean over levels
-  double confidence = 0.0;  // half width of the 95 % interval; 0: the whole map was compared
+  double confidence = 0.0;  // half width of the 95 % interval; 0 if the whole map was compared
   int worst_level = 0;
   double worst_error = 0.0, worst_confidence = 0.0;
   std::string part;  // "lambert", "blinn-phong:100", "roughness"

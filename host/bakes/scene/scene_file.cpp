@@ -38,7 +38,7 @@ class Names {
 
   std::string add(const StrictTable& table) {
     const std::string name = table.text("name");
-    // Names become file names in the folder of results.
+    // Names become file names in the results folder.
     const bool is_plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
       return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
     });

@@ -55,7 +55,7 @@ struct SceneBudget {
   std::optional<double> bytes;         // bytes of the textures of all maps together
   std::optional<double> bake_ms;       // time of the bake by the model of docs/evidence/SCENE.md
   std::optional<double> target_error;  // relative L1 error against the reference, for the worst BRDF of each map
-  double estimate_margin = 0.02;       // allowed excess of an estimated error over the default bake's, relative L1
+  double estimate_margin = 0.02;       // allowed excess of an estimated error over the default error, relative L1
 };
 
 struct SceneDescription {

@@ -44,7 +44,7 @@ struct PartErrors {
 struct BakeCandidate {
   std::string name;  // "vmf, 2 lobes", "moments"
   BakeShape shape;
-  bool lobe_colours = false;  // false: one mean colour per texel
+  bool lobe_colours = false;  // false for one mean colour per texel
   PartErrors error;
   BakeCost cost;
 };
@@ -84,7 +84,7 @@ struct ObjectPlan {
   std::vector<PlannedEffect> effects;   // effects of its shader
   bool environment_by_harmonics = false;
   std::optional<glm::dvec3> fixed_fresnel;  // constant that replaces F
-  double stated_difference = 0.0;           // difference of its map plus that of its shader
+  double stated_difference = 0.0;           // difference of the object's map plus the difference of its shader
 };
 
 struct ScenePlan {

@@ -199,7 +199,7 @@ SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Dev
     SceneMapRows earlier = earlier_rows(run.files.report());
     for (std::size_t i = 0; there && i < own.size(); ++i) {
       if (there->maps[i].is_whole) earlier[plan.maps[i].name] = there->maps[i].row.dump();
-      else plan.maps[i].job.force = true;  // a header alone does not reveal damaged texels
+      else plan.maps[i].job.force = true;  // a header does not show whether texels are damaged
     }
     report = bake_scene_maps(part, plan, run.files, earlier, device, done, progress);
     compare_scene_maps(part, plan, report, device, progress);

@@ -17,7 +17,7 @@ struct SceneRun {
   SceneDescription scene;  // read from that file
   SceneFiles files;
   PlanSettings planning;
-  bool force = false;  // also bake maps whose files exist
+  bool force = false;  // true to bake maps whose files exist, too
 };
 
 struct SceneShareReport {

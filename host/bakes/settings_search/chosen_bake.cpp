@@ -33,7 +33,7 @@ struct Attempt {
 
   const ReachedError& judged() const { return confirmed ? *confirmed : reached; }
   BakeReport report;
-  std::vector<std::string> warnings;  // warnings, which are printed for the chosen attempt
+  std::vector<std::string> warnings;  // warnings, which are printed if this attempt is chosen
 };
 
 // Bakes candidates in a folder of unfinished work next to the output, which is removed unless a stopped bake may
@@ -216,7 +216,7 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
     if (next == nullptr) next = fastest;
     if (next == nullptr) break;
     const Attempt& attempt = attempts.bake(SettingTrial(*next));
-    log_verbose(fmt::format("baked: {} in {:.3f} s, predicted were {:.3f} s", candidates[next->candidate].options,
+    log_verbose(fmt::format("baked: {} in {:.3f} s, predicted {:.3f} s", candidates[next->candidate].options,
                             attempt.seconds, guess.seconds(*next)));
     guess.learn(attempt);
     if (attempt.seconds > *target.seconds) continue;
@@ -251,7 +251,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
     text += fmt::format(
         "  measured at footprints that were not used to choose the settings; at the footprints that were used: {}\n",
         error_text(chosen.reached.error, chosen.reached.confidence));
-  text += fmt::format("  95 % of pixels have errors of at most {}; the worst pixels cover {} and have {}\n",
+  text += fmt::format("  95 % of pixels have errors of at most {}; the worst pixels cover {} and have an error of {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
                       in_percent(judged.worst_octave_error));
   return text;

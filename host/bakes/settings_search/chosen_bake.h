@@ -39,15 +39,15 @@ void check_target(const BakeTarget& target, const BakeJob& job);
 
 /// Describes a target: "an error of 0.1 for ggx:0.4", "a bake of 500 ms for lambert by vmf".
 std::string target_text(const BakeTarget& target);
-/// target_text() and a hash of the job's other settings: equal for equal files. Throws Error(kInput) if one of the
-/// maps cannot be read.
+/// Returns target_text() and a hash of the job's other settings. Keys are equal for equal files. Throws Error(kInput)
+/// if one of the maps cannot be read.
 std::string target_key(const BakeJob& job, const BakeTarget& target);
 
 /// Ignores JOB's representation, lobes, order and effort. JOB.output appears if the target is met, or with
 /// `best_effort`. Keeps a file that was chosen for the same target from the same source (BakeReport::unchanged),
 /// unless JOB.force. Throws as bake_file() does.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress);
-/// Bakes from `source`, the result of read_bake_source() for the job; null: reads it.
+/// Bakes from `source`, the result of read_bake_source() for the job; if null, reads it.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, const BakeSource* source, Device& device,
                           Progress* progress);
 

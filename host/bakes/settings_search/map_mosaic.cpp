@@ -10,7 +10,8 @@
 namespace multum {
 namespace {
 
-// Blocks begin at multiples of this if there is room, so that fine patterns are divided into mip texels as in the map.
+// If there is room, blocks begin at multiples of this value, so that fine patterns are divided into mip texels as in
+// the map.
 constexpr int kAlignment = 16;
 
 // Start columns of each block in the map. Blocks of one row of cells share their rows, so that a map on disk

@@ -18,7 +18,7 @@ enum CandidateUser : unsigned {
   kQuickSweep = 2,    // multum tradeoff --quick
   kDefaultSweep = 4,  // multum tradeoff
   kFullSweep = 8,     // multum tradeoff --full
-  kScenePlan = 16,    // a scene whose error should match the default's
+  kScenePlan = 16,    // a scene whose error should match the default bake
   kSceneTarget = 32,  // a scene with a target error
 };
 
@@ -47,7 +47,7 @@ struct SettingCandidate {
 /// representations.
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
-/// Candidates of kTargetSearch with representation `only`, the cheapest first. nullopt: all except Gaussians: with
+/// Candidates of kTargetSearch with representation `only`, the cheapest first. nullopt means all except Gaussians: with
 /// equal lobe counts, their error is never lower than that of vMFs (docs/evidence/ACCURACY.md), and they cost as much.
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only);
 

@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// The BRDF whose error counts; "roughness" for a bake with a roughness map.
+/// The BRDF of the target error; "roughness" for a bake with a roughness map.
 struct TargetBrdf {
   AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without shading and colours
   std::string text = id.text();                        // its name in options
@@ -53,7 +53,7 @@ struct SettingTrial {
   double fixed_seconds;  // time that does not grow with the map: start and coarse levels
 };
 
-/// Trials of one map, each made once when requested.
+/// Trials of one map; each trial is made once, when requested.
 class SettingTrials {
  public:
   /// `source` and `device` must outlive the object.

@@ -23,7 +23,7 @@ constexpr double kMiB = 1 << 20;
 std::string frame_time(double ms) { return ms < 0.0 ? "-" : fmt::format("{:.1f}", ms); }
 std::string mebi(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / kMiB); }
 
-// Errors of a row: "12.3 +- 0.1 %, 14.1 % in its picture".
+// Formats the errors of a row: "12.3 +- 0.1 %, 14.1 % in its picture".
 std::string errors_text(const TradeoffRow& row) {
   return error_text(row.reached.error, row.reached.confidence) +
          (row.rendered < 0.0 ? "" : fmt::format(", {} % in its picture", percent(row.rendered)));
@@ -47,7 +47,7 @@ bool is_asked(const TradeoffJob& job) { return job.error || job.bake_seconds || 
 
 std::string map_name(const TradeoffJob& job) { return std::filesystem::path(job.bake.input).filename().string(); }
 
-// Quotes a text unless a shell reads it as one word.
+// Quotes a text if a shell would not read it as one word.
 std::string shell_word(const std::string& text) {
   const bool is_plain = !text.empty() && text.find_first_not_of(
                                              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"

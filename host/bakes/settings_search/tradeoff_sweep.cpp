@@ -368,7 +368,7 @@ class Sweep {
   int scratch_count_ = 0;
   const std::shared_ptr<StartMemory> starts_ = std::make_shared<StartMemory>();
   TradeoffResult result_;
-  std::vector<double> bake_times_, frame_times_;   // times of the default settings
+  std::vector<double> bake_times_, frame_times_;   // bake and frame times of the default settings
   std::map<std::string, std::size_t> references_;  // [BRDF]: index of the file
 };
 

@@ -53,9 +53,9 @@ struct TradeoffRow {
   std::uint64_t gpu_bytes = 0;           // with these
   std::string picture;                   // PNG bytes; empty if not drawn
   bool is_measured = true;               // false for another BRDF, or for a formula that only the renderer has
-  bool has_error = false;             // true if `reached` is known (if not is_measured, for the row's own BRDF)
-  bool fits = true;                   // TradeoffJob's budgets
-  std::vector<std::string> warnings;  // warnings of the bake, without the map's name
+  bool has_error = false;                // true if `reached` is known (if not is_measured, for the row's own BRDF)
+  bool fits = true;                      // TradeoffJob's budgets
+  std::vector<std::string> warnings;     // warnings of the bake, without the map's name
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // not beaten (mark_fronts())
   // For a row on a front: another row on a front that is indistinguishable in error and in every cost.
   std::optional<std::size_t> same_as;

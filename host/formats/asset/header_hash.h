@@ -20,8 +20,8 @@ constexpr int kHeaderHashBytes = 2048;
 /// short.
 std::string header_hash_text(const std::string& path);
 
-/// Compares the headers with the attribute. Passes if they match, and for older files without the attribute; otherwise
-/// names the changed attributes. Throws as header_hash_text() does.
+/// Compares the headers with the attribute. The finding passes if they match, or if an older file lacks the attribute;
+/// otherwise it names the changed attributes. Throws as header_hash_text() does.
 VerifyFinding header_finding(const std::string& path);
 
 }  // namespace multum

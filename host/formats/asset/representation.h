@@ -34,7 +34,7 @@ struct RepresentationInfo {
   std::vector<StorageEncoding> encodings;  // allowed encodings, the default first
   const char* help;                        // description in one line
   const char* contents;                    // contents of a texel, such as "planar Gaussians"
-  const LobeFamily* lobes;                 // the family of lobes (lobes/lobe_family.h); null: no lobes
+  const LobeFamily* lobes;                 // the family of lobes (lobes/lobe_family.h); null if there are no lobes
   bool has_kappa;                          // lengths of mean vectors give each lobe's kappa, for GGX and exports
   bool has_order;                          // true if an order sets the number of values per texel (--sh-order)
   bool has_slopes;                         // true for moments of slopes, which several models shade (--moments)

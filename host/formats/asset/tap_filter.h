@@ -19,7 +19,7 @@ constexpr double kTapOverlap = 0.75;  // levels: neighbouring taps overlap
 struct TapFilter {
   int taps_max = kTapCountDefault;        // 1 to kTapCountMax
   double level_bias = kLevelBiasDefault;  // levels
-  bool shades_taps = kShadesTapsDefault;  // true: shades each tap; false: averages the taps first
+  bool shades_taps = kShadesTapsDefault;  // true shades each tap; false averages the taps first
 
   /// Number of taps N for a footprint with these sides, in texels of level 0.
   int tap_count(double longer, double shorter) const {

@@ -17,7 +17,7 @@ namespace multum {
 
 struct TexelPlace {
   int level = 0, x = 0, y = 0;
-  int band = -1;  // of spherical harmonics; < 0: none
+  int band = -1;  // band of spherical harmonics; < 0 if none
 };
 
 /// The texel with the largest excess over the tolerance. If `value` <= 0, no texel exceeds the tolerance.

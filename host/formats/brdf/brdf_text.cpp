@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Returns the numbers in `text`, or an empty list if any word is not a number.
+// Returns the numbers in `text`, or an empty list if a word is not a number.
 std::vector<float> numbers_of(std::string_view text) {
   std::vector<float> numbers;
   for (;;) {

@@ -189,7 +189,7 @@ std::vector<GgxLobeShape> fit_ggx_lobe_table() {
     add(column + 1 < kSide, i + 1);
     return Vector(sum / count);
   };
-  // Starts at single normals, whose shape is known, and goes on to ever broader lobes.
+  // Starts with single normals, whose shape is known, and continues with ever broader lobes.
   for (int sweep = 0; sweep <= kSweepCount; ++sweep)
     for (std::size_t row = 0; row < kSide; ++row)
       for (std::size_t column = kSide; column-- > 0;) {

@@ -161,8 +161,8 @@ MeasuredBrdf BrdfCells::factor(const std::string& name) const {
       const double count = counts_[index(row, column)];
       if (count == 0.0) continue;
       const double h = theta_of_row(row), d = theta_of_column(column);
-      // d theta_h of a row grows with the square root of theta_h. The lower limits avoid area 0 at theta_h = 0 and at
-      // the horizon.
+      // The width d theta_h of a row grows with the square root of theta_h. The lower limits avoid area 0 at theta_h =
+      // 0 and at the horizon.
       const double cell_area =
           std::max(std::sin(h) * std::cos(h) * std::sqrt(h), 1e-4) * std::max(std::sin(d) * std::cos(d), 1e-2);
       const glm::dvec3 rho = sums_[index(row, column)] / count;

@@ -117,7 +117,7 @@ constexpr int kThetaCount = 90, kPhiCount = 180;
 // Returns whether both directions are above the horizon.
 bool is_above(double theta_h, double theta_d, double phi_d) {
   const glm::dvec3 d = direction(theta_d, phi_d), h = direction(theta_h, 0.0);
-  // d turned by theta_h about y is the light's direction.
+  // Rotating d by theta_h about y gives the light's direction.
   const glm::dvec3 l(std::cos(theta_h) * d.x + std::sin(theta_h) * d.z, d.y,
                      -std::sin(theta_h) * d.x + std::cos(theta_h) * d.z);
   return l.z > 0.0 && 2.0 * glm::dot(h, l) * h.z - l.z > 0.0;

@@ -21,7 +21,7 @@ namespace multum {
 /// A file as imported by assimp.
 class MeshImport {
  public:
-  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file if check_gltf_file() refuses it, assimp cannot
+  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file if check_gltf_file() rejects it, assimp cannot
   /// read it, or indices are out of range.
   MeshImport(const std::string& path, unsigned steps);
   ~MeshImport();

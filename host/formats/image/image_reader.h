@@ -15,8 +15,8 @@ namespace multum {
 
 struct ImageReadSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  int threads = 1;            // <= 0: one per core
-  int band_rows = 0;          // rows per band, rounded up to whole tiles; 0: suitable for the file
+  int threads = 1;            // <= 0 means one per core
+  int band_rows = 0;          // rows per band, rounded up to whole tiles; 0 chooses a number for the file
   bool all_channels = false;  // true to read alpha and all other channels too, for files that are not pictures
 };
 

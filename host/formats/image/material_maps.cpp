@@ -196,7 +196,7 @@ const char* name_of(NamedMap map) {
   return "";
 }
 
-// Uses the name and the values together, because neither alone is proof.
+// Uses the name and the values together, because neither is a proof by itself.
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
@@ -330,7 +330,7 @@ RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& fil
 LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int height, const SpillPolicy& spill,
                                 int threads) {
   LobeMaterial material{make_plane_store(width, height, spill)};
-  // Planes are written in threes: each map replaces its own plane and keeps the others.
+  // Planes are written in groups of three: each map replaces its own plane and keeps the other two.
   const auto put = [&](std::size_t plane, int first_row, int row_count, const std::vector<float>& values) {
     std::array<std::vector<float>, 3> planes;
     for (std::vector<float>& all : planes) all.resize(values.size());

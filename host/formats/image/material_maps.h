@@ -12,9 +12,9 @@
 //
 // This is normalised Blinn-Phong with s = 2 / alpha^2 - 2, the exponent that matches the peaks of Beckmann and GGX (c
 // = (s + 1) / (s + 2)). Beckmann's slopes have the variance alpha^2 / 2 = 1 - c in each direction. GGX's own mean
-// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. It is not used, because GGX's tail, which no
-// single lobe has, would widen the peak: at alpha 0.1, c = 0.971 and kappa 34, where the peak has 200. At alpha 1
-// both are 1/2, the uniform hemisphere.
+// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. It is not used, because GGX's tail, which no single
+// lobe has, would widen the peak: at alpha = 0.1, c is 0.971 and kappa is 34, but the peak has a kappa of 200. At alpha
+// = 1, both mean cosines are 1/2, the value of the uniform hemisphere.
 #pragma once
 
 #include <optional>

@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// Returns Y_lm of a unit direction for l = 0 .. `order`, at index l (l + 1) + m. The functions are orthonormal and real,
-/// with polar axis z, without the Condon-Shortley sign; m < 0 has sin(|m| phi).
+/// Returns Y_lm of a unit direction for l = 0 .. `order`, at index l (l + 1) + m. The functions are orthonormal and
+/// real, with polar axis z, without the Condon-Shortley sign; m < 0 has sin(|m| phi).
 std::vector<double> harmonics(const glm::dvec3& direction, int order);
 
 /// The part of an environment with l <= 2 as a polynomial of the direction, per channel: L(n) = mean + linear . n + n

@@ -17,7 +17,7 @@ constexpr int kReflectionSpreadCount = 24;  // d = 1 - |r|: (i / (count - 1))^3
 
 struct ReflectionEntry {
   glm::dvec3 weight;  // the integral
-  double plain;       // integral of 4 (v.h) (v.h) alone
+  double plain;       // integral of only 4 (v.h) (v.h)
   double fresnel;     // mean of (1 - v.h)^5 over cosine-weighted light, for the factor 1 - F of the diffuse part
 };
 

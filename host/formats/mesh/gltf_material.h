@@ -31,7 +31,7 @@ struct GltfMaterial {
 };
 
 struct GltfImage {
-  std::string name;       // file name after extraction: "normal", "image_2"
+  std::string name;       // name of the extracted file: "normal", "image_2"
   std::string file;       // path; empty: embedded
   std::string extension;  // "png", "jpg", "webp", "ktx2": format of embedded bytes
   std::string bytes;      // bytes of an embedded image

@@ -18,7 +18,7 @@ struct ObjectMesh {
   std::vector<glm::vec3> positions;    // object space
   std::vector<glm::vec2> uvs;          // from the requested texture coordinate set; v grows upwards in the image
   std::vector<std::uint32_t> indices;  // three a triangle
-  glm::dmat4 object_to_world{1.0};     // as in the file; the identity for OBJ
+  glm::dmat4 object_to_world{1.0};     // transform from the file; the identity for OBJ
 };
 
 /// Returns the object's transform: from `moved` if `moved` has the object's name, otherwise from the file.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tangents by MikkTSpace's convention (M. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008, and
-// mikktspace.com), which glTF 2.0 requires (section 3.7.2.1). A normal map baked in another program then looks the
-// same here. Written from the description:
+// mikktspace.com), which glTF 2.0 requires (section 3.7.2.1). Normal maps from other programs then look right in this
+// program. Written from the description:
 //
 //   triangle        T = (v_2 e_1 - v_1 e_2) / area, along growing u; orientation: the sign of its area in texture space
 //   group           triangles around a vertex that share edges and orientation: mirrored charts never mix
@@ -23,7 +23,7 @@
 
 namespace multum {
 
-/// Corners of triangles, three per triangle.
+/// Triangle corners, three per triangle.
 struct TriangleCorners {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  // unit

@@ -16,7 +16,7 @@ class DeviceCounts {
   /// Starts to count; does not open the device.
   explicit DeviceCounts(Device& device);
 
-  /// Returns launches by kernel, without zeros.
+  /// Returns launch counts by kernel, without counts of 0.
   std::map<std::string, std::uint64_t> launches() const;
   /// Returns programs built or loaded from the cache, by kernels/FILE.cl.
   std::map<std::string, int> builds() const;

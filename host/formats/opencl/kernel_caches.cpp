@@ -41,7 +41,7 @@ class PrivateFolder {
 };
 
 // Returns why no folder can be made inside `folder`; empty if one can. Tries to make a folder, because permissions
-// alone do not decide this (root, a read-only or full disk).
+// do not decide this (root, a read-only or full disk).
 std::string why_not_writable(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

@@ -170,7 +170,7 @@ class FourQuarterGenerator {
   NoiseQuarter noise_;
 };
 
-constexpr int kBandRows = 16;  // 5 MB for rows of 16384 texels
+constexpr int kBandRows = 16;  // rows per band; 5 MB for rows of 16384 texels
 
 }  // namespace
 

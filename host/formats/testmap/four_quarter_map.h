@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The project's test map: in each of its four quarters, another simplification fails. A seed and any even size
-// reproduce it, so every figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
+// The project's test map: in each of its four quarters, another simplification fails. A seed and an even size reproduce
+// the map, so every figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
 #pragma once
 
 #include <cstdint>

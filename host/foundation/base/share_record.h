@@ -21,7 +21,7 @@ struct ShareName {
   std::string remedy() const;
 };
 
-/// Writes a record atomically. `key` identifies everything that the share's files depend on. Throws
+/// Writes a record atomically. `key` identifies all inputs on which the share's files depend. Throws
 /// Error(kEnvironment).
 void write_share_record(const ShareName& share, const std::string& key, const nlohmann::json& content);
 

@@ -11,7 +11,7 @@ namespace multum {
 
 struct SourceEdit {
   std::string file;         // name of the kernel or shader without folder and suffix
-  std::string text;         // text to replace, which occurs in the file at least once
+  std::string text;         // text to replace; occurs at least once in the file
   std::string replacement;  // for every occurrence
 };
 

@@ -40,7 +40,7 @@ constexpr int kFirstFree = 16;                                 // a number above
 
 [[noreturn]] void fail(const char* what) { fail_by_errno("a process that decodes files", what); }
 
-// Moves a descriptor to a number that no later dup2() overwrites.
+// Moves a descriptor to a number that later dup2() calls do not overwrite.
 int moved_away(int descriptor) {
   const int moved = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kFirstFree);
   const int error = errno == EINVAL ? EMFILE : errno;  // the limit of open files is below kFirstFree

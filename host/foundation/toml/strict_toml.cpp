@@ -130,8 +130,8 @@ const toml::node* StrictTable::find(const std::string& key, bool is_required) co
 std::string StrictTable::text(const std::string& key, const std::optional<std::string>& fallback) const {
   const toml::node* node = find(key, !fallback);
   if (node == nullptr) return *fallback;
-  if (!node->is_string()) refuse_value(key, *node, "a text in quotes");
-  if (!fallback && node->as_string()->get().empty()) refuse_value(key, *node, "a text that is not empty");
+  if (!node->is_string()) refuse_value(key, *node, "a string in quotes");
+  if (!fallback && node->as_string()->get().empty()) refuse_value(key, *node, "a string that is not empty");
   return node->as_string()->get();
 }
 
@@ -184,10 +184,10 @@ std::vector<double> StrictTable::numbers(const std::string& key, const NumberRan
 std::vector<std::string> StrictTable::texts(const std::string& key, bool is_required) const {
   const toml::node* node = find(key, is_required);
   if (node == nullptr) return {};
-  if (!node->is_array()) refuse_value(key, *node, "a list of texts in quotes");
+  if (!node->is_array()) refuse_value(key, *node, "a list of strings in quotes");
   std::vector<std::string> result;
   for (const toml::node& item : *node->as_array()) {
-    if (!item.is_string()) refuse_value(key + "[" + std::to_string(result.size()) + "]", item, "a text in quotes");
+    if (!item.is_string()) refuse_value(key + "[" + std::to_string(result.size()) + "]", item, "a string in quotes");
     result.push_back(item.as_string()->get());
   }
   return result;

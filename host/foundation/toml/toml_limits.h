@@ -20,7 +20,7 @@ struct TomlLimits {
   /// possible.
   std::size_t item_max = 200'000;
   /// Dots in keys and headers together, and names of [[tables]]: whenever a key or header contains a dot, toml++
-  /// searches all tables that dots have made. Files of multum need no dots.
+  /// searches all tables that dots have made. Multum's own files need no dots.
   std::size_t dot_max = 10'000;
   std::size_t array_name_max = 1'000;
 };

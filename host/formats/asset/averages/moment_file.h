@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// Value of BakedWriteOptions::measured_error_bytes. Errors of 16 levels with colours and three ways to shade four
-/// BRDFs take 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
+/// Value of BakedWriteOptions::measured_error_bytes. Errors of 16 levels with colours and three shading methods for
+/// four BRDFs need 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
 constexpr int kMomentErrorBytes = 112 * 1024;
 
 /// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.

@@ -40,7 +40,7 @@ void quantize_slopes(SlopeMoments& m) {
   m.st = as_half(static_cast<float>(covariance + static_cast<double>(m.s) * static_cast<double>(m.t)));
 }
 
-// Rounds a single direction as level 0 of lobes does: x and y to nearest, z up, so that its length stays 1.
+// Rounds a single direction like level 0 of lobes: x and y to nearest, z upwards, so that its length stays 1.
 bool quantize_direction(glm::vec3& n) {
   constexpr float kLengthSquaredOne = 1.0f - 1e-6f;
   if (glm::dot(n, n) < kLengthSquaredOne || n.z < 0.0f) return false;

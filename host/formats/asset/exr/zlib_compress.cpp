@@ -35,12 +35,12 @@ struct ThreadCompressor {
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor;
 };
 
-// Returns the number of bytes written; 0: not enough room.
+// Returns the number of bytes written, or 0 if there is not enough room.
 //
 // Workaround "ISA-L 2.30 hashes its own address" (2.32 has the fault too). At the start of a stream, the long loop of
 // levels 1 and 2 enters its third string into the hash table under a wrong hash (igzip_icf_body_h1_gr_bt.asm,
-// .write_first_byte). The hash is of `rcx >> 16`, but there rcx is the stream's address, not the data. So the same
-// bytes found other matches if the stack had another address: 1 tile in 5000 of 4 KiB or more, 1 tile in 500 of 40
+// .write_first_byte). The loop hashes `rcx >> 16`, but at this point rcx is the stream's address, not the data. So the
+// same bytes found other matches if the stack had another address: 1 tile in 5000 of 4 KiB or more, 1 tile in 500 of 40
 // bytes. The loop for the last bytes of a stream does not have this fault. A flush makes that loop take the first four
 // bytes, for about 10 bytes per tile. Test: ZlibCompressTest.SameBytesWhereverTheStackIs.
 std::size_t compress_quickly(const Bytef* source, uLong source_size, Bytef* destination, uLong destination_size) {

@@ -28,7 +28,7 @@ struct MovmfLevel {
   int width = 0;
   int height = 0;
   std::vector<std::vector<glm::vec4>> lobes;    // [lobe][y * width + x] = (a r_x, a r_y, a r_z, a)
-  std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty: the map has no colours
+  std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty if there are no colours
   // [lobe][(y * width + x) * weight_count + k] = a * weight k of a basis BRDF; empty if the map has no weights
   std::vector<std::vector<float>> weights = {};
 };

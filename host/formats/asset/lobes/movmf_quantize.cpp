@@ -32,7 +32,7 @@ namespace {
 // In fp32 sums, a spread below this value (8 roundings of 2^-24) is indistinguishable from a single direction.
 constexpr double kSpreadZero = 5e-7;
 
-// The two grid neighbours of a value: the magnitude of `inner` is not larger than the value's, the magnitude of `outer`
+// The two grid neighbours of a value. The magnitude of `inner` is not larger than the value, the magnitude of `outer`
 // not smaller.
 struct Bracket {
   float inner;
@@ -43,7 +43,7 @@ float step_value(int step) { return static_cast<float>(step * kSnormStep); }
 
 Bracket bracket_snorm(double value) {
   const double steps = value * kSnormSteps;
-  // Lobes have at most length 1. NaN and infinity stay unchanged.
+  // Lobes have a length of at most 1. NaN and infinity stay unchanged.
   if (!(std::abs(steps) < 1e6)) return {static_cast<float>(value), static_cast<float>(value)};
   const int inner = static_cast<int>(steps);
   const int outer = inner + static_cast<int>(steps > inner) - static_cast<int>(steps < inner);

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Rows of tiles per read when all rows are read.
+// Number of tile rows per read when all rows are read.
 constexpr int kTileRowsAtOnce = 4;
 
 }  // namespace

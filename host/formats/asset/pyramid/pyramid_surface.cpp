@@ -56,7 +56,7 @@ class ControlGrid {
  private:
   template <typename Point>
   static glm::dvec3 along(int k, int count, bool closed, const Point& point) {
-    if (closed) return point((k + count - 1) % (count - 1));  // the last point is the first
+    if (closed) return point((k + count - 1) % (count - 1));  // the last point equals the first point
     if (k < 0) return 2.0 * point(0) - point(1);
     if (k >= count) return 2.0 * point(count - 1) - point(count - 2);
     return point(k);

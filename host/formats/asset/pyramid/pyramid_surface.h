@@ -30,7 +30,7 @@ constexpr int kPatchStepsMax = 64;
 
 /// Uses the points of surface_at_level() as control points of a uniform bicubic B-spline, with `steps`
 /// (1..kPatchStepsMax) cells along each side of a patch. Uses fewer steps if the grid would exceed 4096 points per
-/// side. Normals are exact for the spline. The spline ends in the grid's border points; positions are closed in
+/// side. Normals are exact for the spline. The spline ends at the grid's border points; positions are closed in
 /// directions where the map is periodic.
 PyramidSurface patches_at_level(const Pyramid& pyramid, double d, int steps);
 

@@ -9,7 +9,7 @@
 //      |  .-'''''-.  |     corners: the normal away from the viewer, |p| = 2
 //      | /         \ |
 //      | |  viewer | |     Every texel has the same solid angle, 8 / size^2. So an average over texels is an average
-//      | \         / |     over solid angle, and a level means the same everywhere. Williams indexes by x and y:
+//      | \         / |     over solid angle, and a level has the same meaning everywhere. Williams indexes by x and y:
 //      |  '-.....-'  |     his map ends at the circle, where the solid angle of a texel is unbounded. This map goes
 //      +-------------+     on behind the circle, so that filters at a silhouette find the right values.
 //

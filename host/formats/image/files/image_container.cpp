@@ -41,9 +41,9 @@ constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 // signature contains line ends, which reveal transfers in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
-    return "its line ends were changed from \\n to \\r\\n, as by a transfer in text mode";
+    return "its line ends were changed from \\n to \\r\\n, probably by a transfer in text mode";
   if (head.starts_with("\x89PNG\n\x1a"))
-    return "its line ends were changed from \\r\\n to \\n, as by a transfer in text mode";
+    return "its line ends were changed from \\r\\n to \\n, probably by a transfer in text mode";
   if (head.size() < kPngSignature.size()) return "";
   std::string changed;
   std::size_t count = 0;
@@ -237,8 +237,8 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   keep(container, 0, file.size());
 }
 
-// Returns whether all words of a colour map are `v * unit`, and some are not 0. Some programs write `v * 256` for `v *
-// 257`.
+// Returns whether all words of a colour map are `v * unit`, and some are not 0. Some programs write `v * 256` instead
+// of `v * 257`.
 bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {

@@ -39,7 +39,7 @@ class Directories {
     return is_big_endian_ ? file_.big_endian(position, count, "a TIFF directory")
                           : file_.little_endian(position, count, "a TIFF directory");
   }
-  // Passes every entry of a directory to `visit`. Returns the position of the next directory; positions are relative
+  // Passes every directory entry to `visit`. Returns the position of the next directory; positions are relative
   // to `base`.
   template <typename Visit>
   std::int64_t walk(std::int64_t directory, const Visit& visit) {

@@ -23,7 +23,7 @@ struct TiffSurvey {
   int samples = 1;      // of a texel
   int compression = 1;  // 1: none
   int height = 0;
-  int sample_format = 1;    // 1 unsigned, 2 signed, 3 floats
+  int sample_format = 1;    // 1 for unsigned, 2 for signed, 3 for floats
   bool is_reduced = false;  // true for a smaller version of another page
   int page_count = 1;       // directories in the chain
   bool is_tiled = false, is_planar = false;

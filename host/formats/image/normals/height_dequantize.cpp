@@ -22,7 +22,7 @@ namespace {
 constexpr int kTileSide = 1024;  // about
 constexpr int kOverlap = kDequantizeMargin;
 
-// Tiles along one direction of `count` texels. Texels beyond a side count if they are known.
+// Tiles along one direction of `count` texels. Known texels beyond a side also count.
 struct TileCuts {
   std::vector<int> cuts;  // from 0 to count
   int before, after;      // texels beyond the sides
@@ -40,7 +40,7 @@ struct TileCuts {
   // Range of texels from which a tile is solved.
   int begin(int tile) const { return cut(tile) - (is_first(tile) ? before : kOverlap); }
   int end(int tile) const { return cut(tile + 1) + (is_last(tile) ? after : kOverlap); }
-  // Weight of a tile at a texel.
+  // Returns the weight of a tile at a texel.
   float weight(int tile, int texel) const {
     const auto rise = [](int from_cut) {
       return std::clamp((static_cast<float>(from_cut + kOverlap) + 0.5f) / (2.0f * kOverlap), 0.0f, 1.0f);

@@ -3,7 +3,7 @@
 //   dh/dx = (h(column + 1) - h(column - 1)) / 2      dh/dy = (h(row - 1) - h(row + 1)) / 2
 //   n = (-dh/dx, -dh/dy, 1) / |..|
 // Beyond the border, a periodic map wraps around, a neighbouring tile continues the surface, and black means height
-// 0. If nothing is beyond the border (clamp and mirror, or no data), the slope is the difference to the only
+// 0. If there is no data beyond the border (clamp and mirror, or no data), the slope is the difference to the only
 // neighbour:
 //   dh/dx = h(column + 1) - h(column)   or   h(column) - h(column - 1)
 #include "host/formats/image/normals/height_field.h"
@@ -56,7 +56,7 @@ std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool
   return text;
 }
 
-constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // expected surfaces: 3 to 79 degrees
+constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // slopes of expected surfaces: 3 to 79 degrees
 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 
@@ -173,7 +173,7 @@ void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const Heig
                    const NormalMapSettings& settings) {
   const auto scale = static_cast<double>(settings.height_scale);
   if (settings.dequantize && steps.step == 0.0)
-    report.warnings.push_back("settings without effect on heights without steps" + names_as_advice({"dequantize"}));
+    report.warnings.push_back("this setting has no effect on heights without steps" + names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
   report.warnings.push_back(
       fmt::format("its heights have steps of {}: at a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of 8 bits are recognized in any type. Otherwise, the step of integers, and of floats that are whole numbers,
-// is the greatest common divisor of their differences: 1 if all 16 bits are used.
+// 8-bit values are recognized in any type. Otherwise, the step of integers, and of floats that are whole numbers,
+// is the greatest common divisor of the differences between values. This is 1 if all 16 bits are used.
 #include "host/formats/image/normals/height_steps.h"
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 namespace multum {
 
 struct HeightSteps {
-  double step = 0.0;        // all examined values are multiples of it, plus an offset; 0: no step
+  double step = 0.0;        // all examined values are multiples of it, plus an offset; 0 if there is no step
   double edge_share = 0.0;  // share of terrace edges among triples of texels in a line that are not all equal
   /// Tilt in degrees of a texel whose two neighbours differ by one step; this is the smallest tilt above 0 of a smooth
   /// slope.

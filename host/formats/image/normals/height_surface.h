@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Heights of an image and beyond its borders. Slopes, their measurements and dequantization all take heights from here.
+// Provides heights of an image, and heights beyond its borders. Slopes, their measurements and dequantization all take
+// heights from here.
 #pragma once
 
 #include <array>

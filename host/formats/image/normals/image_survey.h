@@ -44,7 +44,7 @@ class ImageSurvey {
   /// integers, it is relative to the whole range. Returns the larger of two results: for all texels, and for all
   /// without the 1 % largest values, so that a few outliers cannot hide the other texels.
   double chroma_rms() const;
-  /// Standard deviation of the channels' mean, in the unit and over the texels of chroma_rms().
+  /// Standard deviation of the channels' mean, in the same unit and over the same texels as chroma_rms().
   double grey_deviation() const;
   /// Statistics of one of `readings`; nullopt for other readings.
   std::optional<VectorStatistics> statistics(const VectorEncoding& encoding) const;

@@ -13,7 +13,7 @@
 namespace multum {
 
 struct VectorEncoding {
-  bool is_signed = false;        // values are the vector; otherwise v * 2 - 1 is
+  bool is_signed = false;        // true if values are the vector, false if v * 2 - 1 is
   bool rebuild_z = false;        // z = sqrt(1 - x^2 - y^2), ignoring blue
   bool positive_z = false;       // unsigned values, except that blue is z itself: ZRange::kPositive
   bool empty_is_unused = false;  // true if texels for which is_empty() holds were never written

@@ -76,7 +76,7 @@ WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncodi
 // Warns about one or both directions in one warning.
 void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& found) {
   if (doubtful.empty()) return;
-  std::string text = "it is assumed to repeat, but does not seem to:";
+  std::string text = "it is assumed to repeat, but probably does not:";
   for (const Direction& one : doubtful)
     text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
   text += advice(fmt::format(

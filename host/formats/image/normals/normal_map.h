@@ -30,7 +30,7 @@ struct NormalMapSettings {
   std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are vectors; false: 0..1
   std::optional<bool> two_channel = std::nullopt;  // if unset, from statistics; true: z = sqrt(1 - x^2 - y^2)
   std::optional<ZRange> z_range = std::nullopt;    // if unset, from statistics; for unsigned files that store z
-  float height_scale = 1.0f;                       // height in texels of a value difference of 1; finite, != 0
+  float height_scale = 1.0f;                       // height, in texels, of a value difference of 1; finite and not 0
   bool dequantize = false;                         // for heights of few bits, uses the smoothest surface that fits
   float normal_scale = 1.0f;              // scales x and y of a normal map, as glTF scales normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // wrap mode for height differences at the border

@@ -307,7 +307,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
                                                                          placed(*borders.strips[border], side, info)};
     if (!is_neighbour) continue;
     (is_horizontal(side) ? around.has_neighbour_s : around.has_neighbour_t) = true;
-    around.text += fmt::format("{}{} ({})", around.text.empty() ? "goes on in tile " : ", ", other, name);
+    around.text += fmt::format("{}{} ({})", around.text.empty() ? "continues in tile " : ", ", other, name);
   }
   around.record = Json{{"heights", {{"coding", reading.coding}, {"depth", reading.depth}, {"sides", sides}}}}.dump();
   return around;

@@ -95,7 +95,7 @@ struct TileSurroundings {
   HeightSides neighbours;  // neighbouring tiles; kEnd if there is none
   HeightSides repeated;    // if the surface repeats, the other ends on sides without a neighbour; otherwise kEnd
   bool has_neighbour_s = false, has_neighbour_t = false;
-  std::string text;  // "goes on in 1002 (right)"
+  std::string text;  // "continues in tile 1002 (right)"
   std::vector<std::string> warnings;
   std::string record;  // JSON, for tiles_are_unchanged()
 };

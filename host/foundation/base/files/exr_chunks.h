@@ -88,7 +88,7 @@ class ExrChunks {
   const std::string path_;
   const std::vector<int> first_levels_;
   const std::string damaged_;
-  mutable ByteFile file_;  // after construction, read only by position
+  mutable ByteFile file_;  // used only to read by position after construction
   bool is_multi_part_ = false;
   std::int64_t tables_begin_ = 0, tables_end_ = 0;
   std::vector<ExrPart> parts_;

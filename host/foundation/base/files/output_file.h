@@ -20,7 +20,7 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Returns false when the system refuses the write.
+  /// Returns false if the write fails.
   bool write(const void* bytes, std::size_t count);
   bool seek(std::uint64_t position);
   std::uint64_t position() const { return position_; }
@@ -37,7 +37,7 @@ class OutputFile {
   int failure_ = 0;  // the first errno
 };
 
-/// Writes for callers that can pass exceptions on: throws Error(kEnvironment) as soon as the system refuses.
+/// Writes for callers that can pass exceptions on: throws Error(kEnvironment) as soon as a write fails.
 inline void write_or_throw(OutputFile& file, const void* bytes, std::size_t count) {
   if (!file.write(bytes, count)) file.close();  // throws the stored failure
 }

@@ -105,7 +105,7 @@ std::string existing_part(const std::string& path) {
 
 void check_writable(const std::string& path) {
   check_name(fs::path(path).filename(), path);
-  // Permissions alone do not decide this (a read-only disk, root), so a file is created; it is removed with the probe.
+  // Permissions do not decide this (a read-only disk, root), so a file is created; it is removed with the probe.
   const AtomicFile probe(path);
 }
 

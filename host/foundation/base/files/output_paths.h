@@ -23,7 +23,7 @@ std::string canonical_name(const std::string& path);
 void make_folder(const std::string& path);
 
 /// Records the folders that make_folder() creates during the object's life; its destructor removes the empty ones.
-/// Every command has one, so that a command that refuses its input leaves no folder.
+/// Every command has such an object, so that a command that rejects its input leaves no folder.
 class NewFolders {
  public:
   NewFolders();

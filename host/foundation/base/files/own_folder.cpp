@@ -72,7 +72,7 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   refuse(path, fmt::format("has the mode {:04o}, which lets other users write to it", found.st_mode & 07777U));
 }
 
-// Not open, with ENOENT, if nothing has this name.
+// The result is not open, with ENOENT, if the name does not exist.
 OpenFile open_if_own(const OpenFile& above, const std::string& name, const std::string& path) {
   OpenFile folder(::openat(above.descriptor(), name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (folder.is_open()) check_is_own(above, folder, path);

@@ -25,7 +25,8 @@ class ScratchFile {
   ScratchFile(ScratchFile&& other) noexcept;
   ScratchFile& operator=(ScratchFile&& other) noexcept;
 
-  /// Writes anywhere, also beyond the end. Throws Error(kEnvironment) if the disk fails (for example, if it is full).
+  /// Writes at any position, even beyond the end. Throws Error(kEnvironment) if the disk fails (for example, if it is
+  /// full).
   void write(std::uint64_t offset, const void* data, std::size_t byte_count);
   /// Reads data that were written before. Any number of threads may read at once.
   void read(std::uint64_t offset, void* data, std::size_t byte_count) const;

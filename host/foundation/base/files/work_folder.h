@@ -41,7 +41,7 @@ class WorkFolder {
   /// Removes the contents, except for the entry `kept`. Throws Error(kEnvironment) when anything else remains.
   void clear(const std::string& kept = "") const;
   /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. With false (the default),
-  /// removes it.
+  /// removes the folder.
   void leave(bool stays = true) { stays_ = stays; }
 
  private:

@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// During its life, collects the warnings of log_warning() and log_named_warning() from all threads, with their
-/// subjects. A nested object collects its own.
+/// While an object exists, it collects the warnings of log_warning() and log_named_warning() from all threads, with
+/// their subjects. A nested object collects its own.
 class HeldWarnings {
  public:
   HeldWarnings();

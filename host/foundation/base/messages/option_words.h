@@ -17,8 +17,8 @@ void set_option_words(std::optional<std::set<std::string>> names);
 /// Adds parameters that are keys of a file (green = "down"), such as a manifest or a scene.
 void add_key_words(const std::vector<std::string>& names);
 
-/// Formats "green" and "down" as "--green down", or as a key of a file. nullopt: the command has no such parameter. An
-/// empty value means a flag.
+/// Formats "green" and "down" as "--green down", or as a key of a file. Returns nullopt if the command has no such
+/// parameter. An empty value means a flag.
 std::optional<std::string> option_text(const std::string& name, const std::string& value = "");
 
 /// Replaces every "<name>" and "<name value>" in the text by the option. Returns "" if the command lacks one of the

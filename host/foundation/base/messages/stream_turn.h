@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Makes stdout write each line as soon as it is complete, and never part of a line, also to pipes and files. Called
-/// once, before anything is written.
+/// Makes stdout write only complete lines, as soon as they are complete, even to pipes and files. Call it
+/// once, before any output.
 void begin_whole_lines();
 
 /// Gives this thread the right to write to stdout or stderr during its life. Erases the bar.

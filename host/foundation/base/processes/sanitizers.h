@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines MULTUM_SHADOW_MEMORY if the program contains a sanitizer whose shadow memory needs terabytes of addresses.
-// Such a program can set no memory limit, and the sanitizer reports signals with its own messages. GCC reports
+// Such a program cannot set a memory limit, and the sanitizer reports signals with its own messages. GCC reports
 // sanitizers by macros, clang by features.
 #pragma once
 

@@ -129,7 +129,7 @@ pid_t spawn_process(const std::vector<std::string>& arguments, const SpawnSettin
   OpenFile low_end(ends[1]);
   int last = STDERR_FILENO;
   for (const auto& [ours, theirs] : settings.files) last = std::max(last, theirs);
-  // A number above all descriptors of the child.
+  // The descriptor gets a number above all descriptors of the child.
   OpenFile failure_end(::fcntl(low_end.descriptor(), F_DUPFD_CLOEXEC, last + 1));
   if (!failure_end.is_open()) cannot_start(arguments[0], errno);
   pid_t pid = -1;

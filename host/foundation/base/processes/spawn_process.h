@@ -21,8 +21,8 @@ struct SpawnSettings {
   /// Kills the child when the thread that starts it ends in any way. Must not be used by a thread that passes the child
   /// to other threads.
   bool ends_with_thread = false;
-  /// Signals that are blocked in the child; all others are unblocked and have their default action. nullopt: signals
-  /// are inherited, except that SIGXFSZ, which this process ignores (run_guarded()), has its default action.
+  /// Signals that are blocked in the child; all others are unblocked and have their default action. With nullopt,
+  /// signals are inherited, except for SIGXFSZ, which this process ignores (run_guarded()): it gets its default action.
   std::optional<std::vector<int>> blocked_signals = {};
 };
 

@@ -52,12 +52,12 @@ TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
   worse.bytes = 1234;
   const ManifestOutcome outcome =
       outcome_of({result_of("u.exr", MapState::kUnchanged), result_of("m.exr", MapState::kMissing, "gone"),
-                  result_of("s.exr", MapState::kStale, "lobes was 2, is 3"),
+                  result_of("s.exr", MapState::kStale, "lobes was 2 and is now 3"),
                   result_of("d.exr", MapState::kDamaged, "x"), worse, result_of("f.exr", MapState::kFailed, "no map")});
   EXPECT_EQ(manifest_failures(outcome),
             "multum bake --check: FAILED for 5 of 6 maps: 1 missing, 1 stale, 1 damaged, 1 worse, 1 failed\n"
             "  missing  m.exr: gone\n"
-            "  stale    s.exr: lobes was 2, is 3\n"
+            "  stale    s.exr: lobes was 2 and is now 3\n"
             "  damaged  d.exr: x\n"
             "  worse    w.exr: has an error of 30 %\n"
             "  failed   f.exr: no map\n");
@@ -65,7 +65,7 @@ TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
   EXPECT_EQ(summary.rfind("**multum bake --check: FAILED for 5 of 6 maps: ", 0), 0u) << summary;
   EXPECT_TRUE(contains(summary, "\n| w.exr | worse | 30 % | 30 % | 25 % | 1.50 | 1234 |\n")) << summary;
   EXPECT_TRUE(contains(summary, "\n| m.exr | missing | - | - | - | 0.00 | - |\n")) << summary;
-  EXPECT_TRUE(contains(summary, "\n- stale: s.exr: lobes was 2, is 3\n")) << summary;
+  EXPECT_TRUE(contains(summary, "\n- stale: s.exr: lobes was 2 and is now 3\n")) << summary;
   EXPECT_FALSE(contains(summary, "- unchanged")) << summary;
   const std::string junit = manifest_junit(outcome);
   EXPECT_TRUE(
@@ -73,7 +73,7 @@ TEST(ManifestReport, EachStateIsCountedListedAndInTheTable) {
       << junit;
   EXPECT_TRUE(contains(junit, "<property name=\"error_measured\" value=\"0.3\"/>")) << junit;
   EXPECT_TRUE(contains(junit, "<property name=\"error_stated\" value=\"0.299999\"/>")) << junit;
-  EXPECT_TRUE(contains(junit, "<failure type=\"stale\" message=\"lobes was 2, is 3\">")) << junit;
+  EXPECT_TRUE(contains(junit, "<failure type=\"stale\" message=\"lobes was 2 and is now 3\">")) << junit;
   EXPECT_TRUE(contains(junit, "<error type=\"failed\" message=\"no map\">f.exr: no map</error>")) << junit;
 }
 

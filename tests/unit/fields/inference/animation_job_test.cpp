@@ -174,7 +174,7 @@ TEST_F(AnimationJobTest, KeysAndTypes) {
   expect_refused("view = true", "view = 1", {"parameter.view", "1", "true or false"});
   expect_refused("cryptomatte = \"CryptoObject\"", "cryptomatte = 1979-05-27",
                  {"cryptomatte", "a date or time", "text"});
-  expect_refused("passes = [\"diffuse\"]", "passes = \"diffuse\"", {"layer.passes", "\"diffuse\"", "list of texts"});
+  expect_refused("passes = [\"diffuse\"]", "passes = \"diffuse\"", {"layer.passes", "\"diffuse\"", "list of strings"});
   expect_refused("passes = [\"diffuse\"]", "passes = [1]", {"layer.passes[0]", "1", "text"});
   expect_refused("at = [0, 0]", "at = 0", {"sample.at", "0", "list of integers"});
   expect_refused("at = [0, 0]", "at = [0, -1]", {"sample.at[1]", "-1", "at least 0"});

@@ -326,11 +326,11 @@ TEST(HeightField, DequantizingWithoutEffectIsSaid) {
   NormalMapSettings settings;
   settings.dequantize = true;
   const TestImage smooth = height_image(64, 48, [](int x, int y) { return 0.3 * std::sin(0.31 * x) + 0.1 * y; });
-  testing::expect_says(read_heights(smooth, settings).report.warnings.back(), {"without effect", "--dequantize"});
+  testing::expect_says(read_heights(smooth, settings).report.warnings.back(), {"no effect", "--dequantize"});
   const TemporaryFolder folder;
   write_test_image(folder / "n.png", normal_image(64, 48));
   testing::expect_says(read_map(folder / "n.png", settings).report.warnings.front(),
-                       {"without effect on a normal map", "--dequantize"});
+                       {"no effect on a normal map", "--dequantize"});
 }
 
 // A map of five heights is a shape, however many of the file's own steps separate them: smoothing would remove its
@@ -340,7 +340,7 @@ TEST(HeightField, AFewLevelsAreNoTerraces) {
   image.type = TypeDesc::UINT16;
   const NormalMap map = read_codes(image, true);
   ASSERT_FALSE(map.report.warnings.empty());
-  testing::expect_says(map.report.warnings.back(), {"without effect", "--dequantize"});
+  testing::expect_says(map.report.warnings.back(), {"no effect", "--dequantize"});
 }
 
 // Curved surfaces keep their shape, a step of two codes stays in place, and every height stays within half a step.

@@ -489,7 +489,7 @@ TEST(NormalMapReading, NormalsAreScaled) {
   settings.normal_scale = 2.0f;
   const std::vector<std::string> warnings = read_map(folder / "heights.png", settings).report.warnings;
   ASSERT_FALSE(warnings.empty());
-  expect_says(warnings[0], {"--normal-scale", "without effect", "height field"});
+  expect_says(warnings[0], {"--normal-scale", "no effect", "height field"});
 }
 
 TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {
@@ -501,19 +501,19 @@ TEST(NormalMapReading, OptionsWithoutEffectAreNamed) {
   settings.green = GreenAxis::kUp;
   settings.is_signed = false;
   const std::string found = warnings(read_map(folder / "grey.png", settings));
-  expect_says(found, {"--green", "--unsigned", "without effect", "height field"});
+  expect_says(found, {"--green", "--unsigned", "no effect", "height field"});
   settings = {};
   settings.bump_format = BumpFormat::kHeight;
   settings.is_signed = true;
   settings.two_channel = true;
-  expect_says(warnings(read_map(folder / "grey.png", settings)), {"--signed", "--two-channel", "without effect"});
+  expect_says(warnings(read_map(folder / "grey.png", settings)), {"--signed", "--two-channel", "no effect"});
 
   write_test_image(folder / "normals.png", normal_image(64, 64));
   settings = {};
   EXPECT_EQ(warnings(read_map(folder / "normals.png", settings)), "");
   settings.height_scale = 8.0f;
   const std::string scale_warning = warnings(read_map(folder / "normals.png", settings));
-  expect_says(scale_warning, {"--height-scale", "without effect", "normal map"});
+  expect_says(scale_warning, {"--height-scale", "no effect", "normal map"});
   EXPECT_EQ(scale_warning.find('\n'), scale_warning.size() - 1) << "one warning: " << scale_warning;
 }
 

@@ -111,7 +111,7 @@ TEST_F(TileSetTest, TilesAreOneSurface) {
     for (const auto& [tile, u, v] : {std::tuple{"1001", 0, 0}, {"1002", 1, 0}, {"1011", 0, 1}, {"1012", 1, 1}}) {
       const NormalMap map = read_tile(tile);
       EXPECT_LT(largest_angle(map, u, v, whole), 1e-4) << tile;
-      EXPECT_TRUE(contains(map.report.encoding, "goes on in tile 10")) << map.report.encoding;
+      EXPECT_TRUE(contains(map.report.encoding, "continues in tile 10")) << map.report.encoding;
     }
   }
   settings_.wrap_s_origin = settings_.wrap_t_origin = WrapOrigin::kFound;
