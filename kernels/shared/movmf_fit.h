@@ -65,7 +65,7 @@ typedef struct MultumMovmfFit {
   float start_kappa_factor;             // the start kappa is the parent's kappa times this
   float start_amplitude_min;            // least start amplitude
   float alignment;                      // C of the alignment prior, >= 0
-  float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals)
+  float kappa_cap;                      // cap of kappa inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals)
   float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)
 } MultumMovmfFit;

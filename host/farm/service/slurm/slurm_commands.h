@@ -42,7 +42,7 @@ struct SlurmTask {
 /// Returns the name of a task for scancel and scontrol: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// What an error message of sbatch means for the order.
+/// The meaning of an sbatch error message for the order.
 enum class SlurmRefusal {
   kNotNow,        // the controller does not answer, or accepts nothing at present: the same order may succeed later
   kNever,         // a partition, an account, a limit: the order fails until the settings are changed

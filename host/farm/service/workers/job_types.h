@@ -34,10 +34,10 @@ struct JobView {
   bool takes_roots = false;        // adds --root=FOLDER for each folder that jobs may read
   std::vector<std::pair<std::string, std::string>> maps = {};  // parameters of the job, each with the option that takes
                                                                // its file, if the file still exists
-  std::string first_map_is_for = {};  // why the view needs the first map; empty: it does not
-  std::string folder_ending = {};     // ends the name of the view's folder; different for each view of a type
-  std::size_t kept_max = 0;           // number of newest views that are kept; 0: all
-  std::vector<Shown> shown = {};      // files in the order of a job's page
+  std::string first_map_is_for = {};                           // why the view needs the first map; empty: it does not
+  std::string folder_ending = {};  // ends the name of the view's folder; different for each view of a type
+  std::size_t kept_max = 0;        // number of newest views that are kept; 0: all
+  std::vector<Shown> shown = {};   // files in the order of a job's page
   std::map<std::string, std::string> only_for = {};  // shown only if these parameters have these values, or none
 };
 
