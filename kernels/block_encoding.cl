@@ -277,7 +277,7 @@ static inline ColourSums colour_sums(Colours c) {
   return s;
 }
 
-// Replaces the sums by means, and the sums of products by those about the mean.
+// Replaces the sums by means, and the sums of products by sums of products about the mean.
 static inline ColourSums centred(ColourSums s) {
   const float share = 1.0f / fmax(s.count, 1.0f);
   s.xx -= s.x * s.x * share;

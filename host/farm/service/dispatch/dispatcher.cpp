@@ -71,7 +71,7 @@ ClaimLimits limits_of(const ServiceSettings& settings) {
 bool is_result_intact(const JobRoots& roots, const Job& job) {
   try {
     return job.output.empty() || is_as_made(roots.outputs, job.output, job.result_identity, roots.seal);
-  } catch (const Error&) {  // it cannot be examined at present
+  } catch (const Error&) {  // the file cannot be examined at present
     return false;
   }
 }
@@ -570,7 +570,7 @@ void Dispatcher::wake_at(std::optional<TimeMs> due) {
 }
 
 void Dispatcher::on_due() {
-  wake_at(wall_clock_ms() + 5000);  // in case the code below fails
+  wake_at(wall_clock_ms() + 5000);  // wakes up even if the code below fails
   const auto overdue = std::make_shared<JobQueue::Overdue>();
   const auto due = std::make_shared<std::optional<TimeMs>>();
   ledger_.run(

@@ -48,13 +48,13 @@ constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
 constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
-constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two writes to one listener
+constexpr auto kStreamPause = std::chrono::milliseconds(50);  // pause between two writes to one listener
 constexpr std::size_t kStreamBacklog = 8192;     // events waiting for a slow listener, before it is disconnected
 constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; beyond them, slow listeners are disconnected
 constexpr std::size_t kStreamText = 16384;       // approximate bytes per write
 constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
-constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell other clients to wait
+constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and for telling clients to wait
 
 // A plus means a space only in queries (URL Standard, application/x-www-form-urlencoded). Returns nullopt also for a
 // NUL, which no valid name or text contains.

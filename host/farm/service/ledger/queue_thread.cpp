@@ -151,7 +151,7 @@ bool QueueThread::run_batch(std::vector<Task>& batch) {
     if (is_no_space) queue_.database().empty_log();  // may make room for the next batch
     try {
       queue_.resync();
-    } catch (...) {  // the next batch fails likewise
+    } catch (...) {  // the next batch then fails too
     }
     return false;
   }

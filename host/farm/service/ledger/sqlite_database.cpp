@@ -20,7 +20,7 @@ bool SqliteError::is_of_content() const {
     case SQLITE_NOTADB:
     case SQLITE_TOOBIG:
     case SQLITE_FORMAT:
-    case SQLITE_ERROR:       // a function refuses a value, or a table is missing
+    case SQLITE_ERROR:       // a function rejects a value, or a table is missing
     case SQLITE_MISMATCH:    // a type that a column cannot have
     case SQLITE_CONSTRAINT:  // a value that a column cannot have
     case SQLITE_SCHEMA: return true;

@@ -19,7 +19,8 @@ namespace multum {
 
 class SqliteDatabase;
 
-/// An error that SQLite reports for a statement or for the data that it reads. The only exception for damaged files.
+/// An error that SQLite reports for a statement or for the data that it reads. No other exception is thrown for damaged
+/// files.
 class SqliteError : public Error {
  public:
   SqliteError(ErrorCode code, const std::string& message, int result) : Error(code, message), result_(result) {}

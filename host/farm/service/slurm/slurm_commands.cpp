@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // per command; Slurm's own timeouts are shorter
+constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // time limit of a command; Slurm's own timeouts are shorter
 constexpr std::size_t kNamesAtOnce = 500;                   // of scancel
 
 template <typename Number>
@@ -152,7 +152,7 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
   words.push_back(s.script);
   words.insert(words.end(), s.command.begin(), s.command.end());
-  // "12" or "12;cluster", perhaps after remarks.
+  // sbatch prints "12" or "12;cluster", perhaps after remarks.
   std::istringstream lines(run(words));
   std::string line, last;
   while (std::getline(lines, line))

@@ -30,7 +30,7 @@ struct SlurmSubmission {
 /// A task in Slurm's list.
 struct SlurmTask {
   std::int64_t job = 0;
-  int item = -1;  // its number in the array; -1: not in an array
+  int item = -1;  // the task's number in the array; -1: not in an array
   std::string name, state, reason, node;
 
   /// Returns whether the task will not run again.

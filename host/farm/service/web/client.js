@@ -16,7 +16,7 @@ export class Refused extends Error {
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 
-let asking = null; // for the token: one dialog for all refused requests
+let asking = null; // the dialog for the token, one for all refused requests
 
 function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {

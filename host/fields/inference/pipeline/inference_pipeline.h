@@ -48,7 +48,7 @@ struct TextureResult {
   std::vector<double> squared_errors;  // mean of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
   std::vector<double> forward_squared_errors;  // errors of forward mapping; empty if not requested
-  std::vector<bool> is_held_out;               // not used for solving
+  std::vector<bool> is_held_out;               // whether each sample is left out of solving
   std::string file;                            // relative to the output folder; empty: the layer is black
   bool was_there = false;
   bool converged = true;

@@ -43,7 +43,8 @@ struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Returns a box around the wholly covered pixels, with a margin, inside the picture; width 0: there are none.
+/// Returns a box around the wholly covered pixels, with a margin, inside the picture; width 0 if there are no such
+/// pixels.
 PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 
 /// Converts linear values of 0..1, three per pixel, to sRGB.
