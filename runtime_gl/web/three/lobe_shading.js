@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL that the add-on inserts into the fragment shader of MeshStandardMaterial and MeshPhysicalMaterial, around
-// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, RE_Direct and similar
-// ones, after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions
-// that add up over lobes. Lobes are converted to view space, where three.js shades.
+// GLSL that the add-on inserts into the fragment shaders of MeshStandardMaterial and MeshPhysicalMaterial. It uses
+// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, such as RE_Direct,
+// after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions that
+// add up over lobes. Lobes are converted to view space, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
 import { fragmentAtPoints, replaced, VARIANCE } from "./shading_points.js";
 

@@ -123,7 +123,7 @@ std::vector<std::string> input_files(const JobType& type, const nlohmann::json& 
 /// Empty: no inputs.
 std::string input_identity(const JobType& type, const nlohmann::json& parameters);
 
-/// Returns the SHA-256 of the type, the parameters without file names, the files' hashes and the version of multum: two
+/// Returns the SHA-256 of the type, the parameters without file names, the files' hashes and the version of multum. Two
 /// jobs with the same key make the same bytes.
 std::string idempotency_key(const JobType& type, const nlohmann::json& parameters,
                             const std::vector<std::string>& file_hashes);
