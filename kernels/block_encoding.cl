@@ -87,7 +87,7 @@ static inline void try_ends(float16 v, float low, float high, int has_limits, Sc
   }
 }
 
-// Fits the ends by least squares to the texels' current steps. Only texels with weight 1 count; the others have 0.
+// Fits the endpoints by least squares to the texels' current steps. Only texels with weight 1 count; the others have 0.
 static inline void fit_ends(float16 v, float16 weight, float* low, float* high, float step_count) {
   const float16 u = scalar_steps(v, *low, *high, step_count) / step_count;
   const float count = sum_of(weight), mean_u = sum_of(weight * u) / fmax(count, 1.0f);
@@ -340,7 +340,7 @@ static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, fl
     tried.error = line_error(c, &tried, precision, last);
     if (tried.error >= best.error) break;
     best = tried;
-    // Fits the ends by least squares to these indices.
+    // Fits the endpoints by least squares to these indices.
     const float16 u =
         index_weight(line_indices(c, line_end(&tried, 0, precision), line_end(&tried, 1, precision), last), last) *
         (1.0f / 64.0f);

@@ -91,7 +91,7 @@ class FieldPlayback {
   /// Requests the images still missing for the same frame, as far as memory allows. Call it after wait() and after
   /// uploads.
   void request();
-  /// Waits until a worker has finished something. Returns false at once if no worker runs.
+  /// Waits until a worker has finished a request. Returns false at once if no worker runs.
   bool wait();
 
   /// The object and mapping of a chunk's images.

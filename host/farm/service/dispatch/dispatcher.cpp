@@ -511,7 +511,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
                     fmt::format("attempt {} {}{}{}", attempt, attempt_outcome_name(result.outcome),
                                 result.message.empty() ? "" : ": ", result.message));
         const auto found = running_.find(id);
-        // A partial result is kept, and the next attempt resumes it.
+        // A partial result is kept, and the next attempt continues it.
         if (*is_final_state && found != running_.end() && !found->second.job.output.empty())
           remove_staging(found->second.job);
         forget_running(id, result.outcome);

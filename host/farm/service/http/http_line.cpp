@@ -61,7 +61,7 @@ void check_fields(const HttpLine::Parser& parser) {
 
 }  // namespace
 
-// Cancels the socket's operations after a timeout. Outlives the line, since its timer may fire afterwards.
+// Cancels the socket's operations after a timeout. Outlives the line, because the timer may fire after the line's end.
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 

@@ -356,7 +356,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return co_await finish(line, message, keep, is_head);
   }
 
-  // Sends any amount, as long as the client keeps receiving.
+  // Sends any number of bytes, as long as the client keeps receiving.
   template <typename Message>
   static asio::awaitable<bool> finish(HttpLine& line, Message& message, bool keep, bool is_head) {
     http::response_serializer<typename Message::body_type> serializer(message);
@@ -467,7 +467,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         line->is_asleep = false;
         if (!error) text = ": pulse\n\n";  // shows both sides that the connection works
       }
-    } catch (const std::exception&) {  // disconnected, or no memory: the client reconnects
+    } catch (const std::exception&) {  // the client has disconnected, or there is no memory: the client reconnects
     }
     events.remove(key);
   }

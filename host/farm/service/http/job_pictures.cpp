@@ -79,7 +79,7 @@ std::int64_t id_of(const std::string& name) {
 
 bool is_page(const std::string& name) { return name.ends_with(".html"); }
 
-// Returns whether an earlier daemon made a view of any type there.
+// Returns whether an earlier daemon made a view of any type in this folder.
 bool has_view(const fs::path& folder) {
   for (const JobType& type : job_types())
     for (const JobView& view : type.views)

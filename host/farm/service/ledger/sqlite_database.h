@@ -98,7 +98,7 @@ class SqliteDatabase {
   /// Makes the database read-only: changes throw Error(kEnvironment, why).
   void look_only(const std::string& why);
   bool is_look_only() const { return !look_only_.empty(); }
-  /// Throws if a change would.
+  /// Throws if a change would throw.
   void check_may_change() const;
 
  private:

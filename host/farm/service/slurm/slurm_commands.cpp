@@ -100,7 +100,8 @@ bool SlurmTask::is_over() const {
 }
 
 bool SlurmTask::is_stuck() const {
-  // Slurm holds a task that a node cannot start; a dependency may have become impossible. Tasks that people hold wait.
+  // Slurm holds a task if a node cannot start it, or if a dependency has become impossible. Tasks that users hold only
+  // wait.
   return state == "PENDING" && (reason == "launch_failed_requeued_held" || reason == "launch failed requeued held" ||
                                 reason == "DependencyNeverSatisfied");
 }

@@ -62,7 +62,7 @@ struct SlurmTarget {
 
 class SlurmCommands {
  public:
-  /// `is_stopped` is called while a command runs; true kills the command.
+  /// `is_stopped` is called while a command runs; if it returns true, the command is killed.
   SlurmCommands(SlurmSettings settings, std::function<bool()> is_stopped);
 
   /// Returns the number of the Slurm job. Throws Error(kEnvironment) with sbatch's message (refusal_of()).

@@ -76,11 +76,11 @@ class SlurmPool {
   SlurmPool(const SlurmPool&) = delete;
   SlurmPool& operator=(const SlurmPool&) = delete;
 
-  /// Takes over the work that an earlier daemon has sent, according to the ledger. Called before start().
+  /// Takes over the work that an earlier daemon has sent, as recorded in the ledger. Called before start().
   void adopt(const std::vector<SlurmWork>& works, const std::vector<SlurmPart>& parts, std::int64_t last_batch);
   /// Throws Error(kEnvironment) when the shared folder cannot be used.
   void start();
-  /// Sends nothing more; work at Slurm continues.
+  /// Sends no more jobs; work at Slurm continues.
   void close();
 
   /// Returns the number of further jobs that the pool accepts.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings for Slurm: [slurm] of serve.toml, which docs/reference/service.md lists.
+// Settings for Slurm: table [slurm] of serve.toml, whose keys docs/reference/service.md lists.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ struct SlurmSettings {
   std::chrono::seconds time_min{600};    // smallest time limit
   std::chrono::seconds time_max{86400};  // largest time limit; also used for jobs of unknown cost
   std::chrono::milliseconds poll{2000};
-  std::chrono::milliseconds visible{10000};  // delay until a node's files are visible here
+  std::chrono::milliseconds visible{10000};  // longest delay until a node's files are visible to the daemon
   std::chrono::milliseconds lease{120000};   // longest silence of a running task
 
   bool is_on() const { return !folder.empty(); }

@@ -24,7 +24,7 @@ function askForToken(isWrong) {
     const input = byId("token-text");
     setText(byId("token-wrong"), isWrong ? "This token was refused." : "");
     input.value = "";
-    dialog.addEventListener("cancel", (event) => event.preventDefault()); // nothing can be shown without a token
+    dialog.addEventListener("cancel", (event) => event.preventDefault()); // without a token, nothing can be shown
     dialog.addEventListener("close", () => {
       sessionStorage.setItem(TOKEN, input.value);
       asking = null;

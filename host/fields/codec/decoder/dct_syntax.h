@@ -22,7 +22,7 @@
 
 namespace multum {
 
-/// The coded blocks around a block. An empty span means only zeros, or a missing block.
+/// The coded blocks around a block. An empty span stands for a block of zeros, or for a missing block.
 struct BlockSurroundings {
   std::span<const std::int16_t> left, up, parent, luma;
   bool has_parent = false;

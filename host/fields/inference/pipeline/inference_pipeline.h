@@ -85,7 +85,7 @@ struct AnimationInferResult {
   std::uint64_t rows = 0, rows_rejected = 0;
   int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
   int nan_depths = 0;
-  // The terms of the sums above. Several shares of the work may have some terms in common.
+  // The terms that are added up above. Several shares of the work may have some terms in common.
   std::vector<PointReport> points;
   std::vector<MatrixRows> matrices;
 };
