@@ -113,7 +113,7 @@ static inline void climb(float16 v, float step, int has_limits, ScalarEnds* best
 }
 
 static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
-  // Values at the limits use the codes for 0 and 255 and do not count in the fit.
+  // Values at the limits use the codes for 0 and 255, and are left out of the fit.
   const float16 weight = has_limits ? select((float16)(1.0f), (float16)(0.0f),
                                              isless(v, (float16)(4.0f)) | isgreater(v, (float16)(251.0f)))
                                     : (float16)(1.0f);
@@ -522,7 +522,7 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
   return bits;
 }
 
-// Returns the channel without which the other channels are closest to a line.
+// Returns the channel to leave out so that the other channels are closest to a line.
 static inline int channel_alone(Colours c) {
   int alone = 0;
   float least = INFINITY;

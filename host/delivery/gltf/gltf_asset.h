@@ -24,7 +24,7 @@ struct GltfAsset {
   // Bytes by buffer, as many as the file declares. A buffer without bytes in the file is unset: extensions fill it
   // (fallback buffers of EXT_meshopt_compression).
   std::vector<std::optional<std::string>> buffers;
-  std::string other_chunks;  // whole chunks of a GLB after its bytes, unchanged
+  std::string other_chunks;  // whole chunks of a GLB that follow its bytes, unchanged
 
   /// Throws Error(kInput) naming the file.
   [[noreturn]] void refuse(const std::string& what) const;

@@ -266,7 +266,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     MULTUM_EACH_LOBE(j) surface.lobes[j] *= 1.0 - map_share;
   }
 #ifdef MULTUM_BASIS
-  finest *= mean_weight;  // weight of the first stored level
+  finest *= mean_weight;  // the weight in the first stored level
 #endif
   surface.lobes[MULTUM_LOBE_COUNT] = finest;
 #if defined(MULTUM_ALBEDO_MAP)

@@ -65,7 +65,7 @@ void check_fields(const HttpLine::Parser& parser) {
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // Waits only once at a time, so a busy line does not set its timer for each request.
+  // Has at most one pending wait, so a busy line does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);

@@ -63,7 +63,7 @@ void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(do
 
 void QueueThread::run_now(const Work& work) {
   std::promise<std::exception_ptr> ended;
-  // Does not use `post`, because the caller's thread waits. Waits for the commit, because it may fail.
+  // Does not use `post`, because the caller's thread waits. Waits for the commit, because the commit may fail.
   add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
   if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
 }

@@ -168,7 +168,7 @@ void SqliteDatabase::look_only(const std::string& why) {
   if (file_number(path_) == file_) {  // only its log is gone: saves the log's contents
     try {
       execute("PRAGMA wal_checkpoint(FULL)");
-    } catch (const Error& error) {  // within a transaction: closing the database does it
+    } catch (const Error& error) {  // within a transaction; closing the database empties the log
       log_verbose(error.what());
     }
   } else {  // closing would remove another file's log

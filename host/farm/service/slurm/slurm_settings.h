@@ -12,7 +12,7 @@ struct SlurmSettings {
   std::string folder;                    // folder for orders and results, same path on all nodes; "": no Slurm
   std::string partition, account;        // "": Slurm's own
   std::vector<std::string> arguments;    // further arguments of sbatch
-  std::string program;                   // multum on the nodes; "": the same path as here
+  std::string program;                   // path of multum on the nodes; "": the same path as on this machine
   std::vector<std::string> queues;       // queues whose jobs are sent
   std::vector<std::string> types;        // types of jobs that are sent; empty: all
   int jobs_max = 1000;                   // jobs at Slurm at the same time, 1..100000

@@ -85,8 +85,8 @@ struct JobType {
   const JobView* find_view(const std::string& file) const;
 };
 
-/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Called once,
-/// before any other call of the farm, which has no types of its own.
+/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Call it once,
+/// before any other function of the farm, because the farm itself has no types.
 void register_job_types(std::vector<JobType> types);
 /// The registered types.
 const std::vector<JobType>& job_types();

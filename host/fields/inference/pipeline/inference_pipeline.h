@@ -78,7 +78,7 @@ struct AnimationInferResult {
   InferredManifest manifest;
   std::vector<TextureResult> textures;
   std::vector<std::string> blocks;  // names of the grid's blocks
-  ObjectMappings mappings;          // mapping of each object in each block
+  ObjectMappings mappings;          // texture mapping of each object in each block
   SegmentationReport segmentation;  // sum over all pictures
   StageSeconds seconds;
   std::string renderer, device;
