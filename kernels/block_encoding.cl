@@ -87,7 +87,7 @@ static inline void try_ends(float16 v, float low, float high, int has_limits, Sc
   }
 }
 
-// Fits the ends by least squares to the texels' current steps. Only texels with weight 1 count; the others have 0.
+// Fits the endpoints by least squares to the texels' current steps. Only texels with weight 1 count; the others have 0.
 static inline void fit_ends(float16 v, float16 weight, float* low, float* high, float step_count) {
   const float16 u = scalar_steps(v, *low, *high, step_count) / step_count;
   const float count = sum_of(weight), mean_u = sum_of(weight * u) / fmax(count, 1.0f);
@@ -113,7 +113,7 @@ static inline void climb(float16 v, float step, int has_limits, ScalarEnds* best
 }
 
 static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
-  // Values at the limits use the codes for 0 and 255 and do not count in the fit.
+  // Values at the limits use the codes for 0 and 255, and are left out of the fit.
   const float16 weight = has_limits ? select((float16)(1.0f), (float16)(0.0f),
                                              isless(v, (float16)(4.0f)) | isgreater(v, (float16)(251.0f)))
                                     : (float16)(1.0f);
@@ -277,7 +277,7 @@ static inline ColourSums colour_sums(Colours c) {
   return s;
 }
 
-// Replaces the sums by means, and the sums of products by those about the mean.
+// Replaces the sums by means, and the sums of products by sums of products about the mean.
 static inline ColourSums centred(ColourSums s) {
   const float share = 1.0f / fmax(s.count, 1.0f);
   s.xx -= s.x * s.x * share;
@@ -340,7 +340,7 @@ static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, fl
     tried.error = line_error(c, &tried, precision, last);
     if (tried.error >= best.error) break;
     best = tried;
-    // Fits the ends by least squares to these indices.
+    // Fits the endpoints by least squares to these indices.
     const float16 u =
         index_weight(line_indices(c, line_end(&tried, 0, precision), line_end(&tried, 1, precision), last), last) *
         (1.0f / 64.0f);
@@ -522,7 +522,7 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
   return bits;
 }
 
-// Returns the channel without which the other channels are closest to a line.
+// Returns the channel to leave out so that the other channels are closest to a line.
 static inline int channel_alone(Colours c) {
   int alone = 0;
   float least = INFINITY;

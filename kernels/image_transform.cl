@@ -105,8 +105,8 @@ static int mirrored(int i, int n) {
 //
 // Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, `stride`
 // apart; lines are `step` apart. One work-item = one pair of one line of one image: low coefficient 2k and high
-// coefficient 2k + 1, which the last pair of an odd length lacks. Global size
-// image_count * line_count * ceil(length / 2). If lines are columns, neighbouring items are neighbouring columns.
+// coefficient 2k + 1; the last pair of an odd length has no high coefficient. Global size image_count * line_count *
+// ceil(length / 2). If lines are columns, neighbouring items are neighbouring columns.
 //   samples      [image][image_texels]
 //   coefficients [image][image_texels]   written, only inside the rectangle; must be another buffer
 // Memory bound.

@@ -47,8 +47,8 @@ __kernel void mip_features(__global const float* value_x, __global const float* 
   out[2 * plane_size] = value_z[item];
 }
 
-// Sums pairs of blocks. Launched for blocks of 2, of 4, and so on.
-// One work-item = one block; global size plane_count * row_count * block_count.
+// Sums pairs of blocks. It is launched for blocks of 2 texels, of 4 texels, and so on. One work-item = one block;
+// global size plane_count * row_count * block_count.
 //   nodes   in place: block i, at first_block + i, is the sum of the two blocks at first_half + 2 i
 // Memory bound.
 __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {

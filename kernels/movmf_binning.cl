@@ -140,7 +140,7 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
   }
 }
 
-// Adds the chunks and packs the cells that are not empty. One work-item = one texel; global size texel_count.
+// Adds the chunks of cells, and packs the cells that are not empty. One work-item = one texel; global size texel_count.
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written

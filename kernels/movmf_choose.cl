@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits level 1 of maps with even sides, instead of EM. A texel covers four normals, and each normal is given whole to
 // one of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. The width of a lobe is
-// measured twice: alone, and mixed with the surrounding lobes as texture filters mix them
+// measured twice: by itself, and mixed with the surrounding lobes as texture filters mix them
 // (docs/contributing/ALGORITHMS.md, "Level 1").
 //
 // With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times their root

@@ -7,8 +7,8 @@
 //   chunk 0            rows  0 .. chunk_rows - 1
 //   chunk 1            rows  chunk_rows .. 2 chunk_rows - 1
 //
-// Both variants sum in the same canonical order: a lane adds its columns block by block, and down the chunk's rows in
-// each block; the 16 lanes are added as a tree (sum_lanes); the chunks are added one after another with compensation.
+// Both variants sum in the same canonical order. A lane adds its columns block by block, and down the chunk's rows in
+// each block. The 16 lanes are added as a tree (sum_lanes). The chunks are added one after another with compensation.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"

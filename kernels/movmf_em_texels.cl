@@ -117,8 +117,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
     }
     if (fit.convergence_tolerance_squared > 0.0f) moving = moving & (change > fit.convergence_tolerance_squared);
   }
-  // The last E-step's own moments are stored, without the prior: the prior decides which lobe is which and adds no
-  // bias.
+  // The moments of the last E-step are stored, without the prior. So the prior determines which lobe is which, but adds
+  // no bias.
   for (int j = 0; j < MULTUM_LOBES; ++j) {
     const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                        (real_v)(fit.total_weight_inverse));

@@ -5,9 +5,9 @@
 //   minimise  sum_s w_s integral (sum_j a_j gamma_js(h) - 1/N sum_i f_s(h . n_i))^2 dh,   f_s = Blinn-Phong of s
 //
 // This is the energy at the texel's centre. A weighted term keeps the mean normal. Pictures also show places between
-// centres, so one more term is added for each of the four adjacent texels: the lobes of both texels, pooled as the
-// hardware pools them, should equal the mean of the EM lobes of both texels. A texel reads EM's lobes of its neighbours
-// and never the output of this kernel, so texels are independent of one another.
+// centres, so one more term is added for each of the four adjacent texels. In this term, the lobes of both texels,
+// pooled as the hardware pools them, should equal the mean of the EM lobes of both texels. A texel reads EM's lobes of
+// its neighbours and never the output of this kernel, so texels are independent of one another.
 //
 // gamma_js is lobe j convolved with f_s. Inner products need no directions h. The product of a lobe and a sample is the
 // lobe, convolved with f_s twice, at the sample. Mean cosines multiply under convolution

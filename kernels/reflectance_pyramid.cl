@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the finest level of a reflectance map (Williams 1983, section 4): the light that a surface sends to a
-// distant viewer, by its normal, under distant lights. kernels/mip_box.cl builds the pyramid from it.
+// Computes the finest level of a reflectance map (Williams 1983, section 4). The map holds the light that a surface
+// sends to a distant viewer under distant lights, for each normal. kernels/mip_box.cl builds the pyramid from it.
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //

@@ -52,7 +52,7 @@ typedef struct MultumMovmfFit {
   int map_window_rows;  // sums use rows, or chunks beginning, in [map_first_row, + map_window_rows)
   int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
   int order;            // MULTUM_ORDER_*
-  int periodic_x;       // not 0: texels at one border are neighbours of those at the other
+  int periodic_x;       // not 0: texels at opposite borders are neighbours
   int periodic_y;
   int iteration_count;
   int sample_capacity;                  // most samples per texel (movmf_em_texels.cl); cells of a binned texel
@@ -65,7 +65,7 @@ typedef struct MultumMovmfFit {
   float start_kappa_factor;             // the start kappa is the parent's kappa times this
   float start_amplitude_min;            // least start amplitude
   float alignment;                      // C of the alignment prior, >= 0
-  float kappa_cap;  // cap of kappa inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals)
+  float kappa_cap;                      // cap of kappa inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals)
   float kappa_cap_slope;
   float total_weight_inverse;  // 1 / (finest texels that a texel covers)
 } MultumMovmfFit;

@@ -27,8 +27,8 @@
 // Separate planes of slopes, a power of two apart, would evict one another. A multiple of every vector width.
 #define MULTUM_ONE_LOBE_BLOCK 16
 
-// Texels of a level that are fitted at once, and their samples: grid * grid places, evenly spread over the finest
-// texels that a texel covers, with one half vector each.
+// Texels of a level that are fitted at once, and their samples. A texel has grid * grid samples, evenly spread over the
+// finest texels that it covers, with one half vector each.
 typedef struct MultumOneLobePiece {
   int map_width;  // size of the finest level
   int width;      // width of the fitted level

@@ -34,7 +34,7 @@ FieldPlayer::FieldPlayer(const GlFunctions& gl, const std::string& path, const P
   if (!has_whole_textures()) reserve_memory();
 }
 
-/// Reserves memory for the largest texture of every layer and for sums.
+/// Reserves memory for the largest texture of every layer, and for the sums.
 void FieldPlayer::reserve_memory() {
   int width_max = 1, height_max = 1;
   std::size_t bytes = 0;

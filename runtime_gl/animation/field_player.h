@@ -37,7 +37,7 @@ struct LayerReport {
 };
 
 struct FrameReport {
-  std::vector<LayerReport> layers;  // one per layer, in the description's order
+  std::vector<LayerReport> layers;  // reports, one per layer, in the description's order
   std::size_t uploaded_bytes = 0;
   std::size_t textures_made = 0;
   double wait_seconds = 0.0, upload_seconds = 0.0, sum_seconds = 0.0;

@@ -23,7 +23,8 @@ struct EglOffer {
   std::string reason;       // why not
 };
 
-/// Opens and closes a context on each display. Throws Error(kEnvironment) if libEGL.so.1 is missing.
+/// Lists the displays; opens and closes a context on each of them. Throws Error(kEnvironment) if libEGL.so.1 is
+/// missing.
 std::vector<EglOffer> list_egl_offers();
 
 }  // namespace multum::gl

@@ -109,7 +109,7 @@ bool has_gl_extension(const GlFunctions& gl, const char* extension);
 /// Returns GL_VENDOR, GL_RENDERER or GL_VERSION; "?" if the driver returns null.
 std::string gl_string(const GlFunctions& gl, GLenum name);
 
-/// Returns "GL_INVALID_OPERATION" and so on.
+/// Returns a name such as "GL_INVALID_OPERATION".
 const char* gl_error_name(GLenum error);
 
 /// Clears all error flags. Throws Error(kEnvironment) "`step`: GL_..." if any was set.

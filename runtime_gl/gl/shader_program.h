@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A linked vertex and fragment shader. A variant is a set of flags; each becomes one #define between the version line
-// and the shared text. Only requested variants are compiled.
+// and the shared text. Only the requested variants are compiled.
 #pragma once
 
 #include <string>

@@ -22,8 +22,8 @@ struct LeftOutLevels {
 
 class FinestLevels {
  public:
-  /// Call once. Does nothing if all levels are stored. Throws Error(kInput) if `source` is needed but null or of
-  /// another size.
+  /// Call it only once. Does nothing if all levels are stored. Throws Error(kInput) if `source` is needed but null or
+  /// of another size.
   void upload(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
               const SamplerSettings& sampler);
 

@@ -41,7 +41,7 @@ class Material {
   /// Returns whether each sample has one normal, around which an environment is sampled by brute force.
   virtual bool samples_light() const { return false; }
   /// Returns whether each sample uses one texel, drawn at random from the texels that the texture's filter reads at the
-  /// pixel's middle. Samples are then not shifted within the pixel.
+  /// pixel's middle. If so, samples are not shifted within the pixel.
   virtual bool samples_footprint() const { return false; }
 
  protected:

@@ -30,8 +30,8 @@ struct NormalImage {
   std::vector<float> weights = {};  // weight_count per texel
 };
 
-/// Returns level 0 of a baked file, which must be stored, as normals: the sum of its lobes, normalised unless roughness
-/// is included, and the sums of its colours and weights.
+/// Returns level 0 of a baked file, which must be stored, as normals: the sums of the lobes, normalised unless
+/// roughness is included, and the sums of colours and weights.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
 /// Return level 0 of a file of moments, and of a file of spherical harmonics, in the same way.
 NormalImage finest_normals(const MomentMipmap& mipmap);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): one array of
-// textures with four coefficients per layer, and textures of colours and of weights of basis BRDFs if the file has
-// them. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need 20. The levels
-// are those of the file. Textures of the normal map replace levels that the file does not store.
+// A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): an array of
+// textures with four coefficients per layer. If the file has colours, or weights of basis BRDFs, there are also
+// textures of these. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need 20.
+// The levels are those of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>

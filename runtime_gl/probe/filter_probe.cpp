@@ -368,7 +368,7 @@ FilterMatrix FilterProbe::probe_with_span(const Pass& pass, int span) const {
   const TexelClasses classes(pass.layout, pass.level_count, span);
   const int draw_count = (classes.class_count() + kClassesADraw - 1) / kClassesADraw;
   const int sub_height = height_ * supersampling_, band_height = framebuffer_.height();
-  // Bands are counted from below, the matrix's rows from above.
+  // Bands are counted from below, but the matrix's rows from above.
   for (int bottom = (sub_height - 1) / band_height * band_height; bottom >= 0; bottom -= band_height) {
     BandDecoder band(pass.layout, pass.level_count, classes, pass.mapping, span);
     const int top = sub_height - bottom - band_height;  // negative: the buffer's first rows are outside the picture

@@ -29,8 +29,8 @@ struct AxisPoint {
   float x, z;  // x along an axis of the picture, z towards the eye, both from the middle
 };
 
-// Returns the least distance of the eye, at the best offset, for which |x - offset| <= t (distance - z) holds for all
-// points: x + t z <= t distance + offset and t z - x <= t distance - offset.
+// Returns the least distance of the eye, at the best offset, for which `|x - offset| <= t * (distance - z)` holds for
+// all points. This means `x + t * z <= t * distance + offset` and `t * z - x <= t * distance - offset`.
 float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
   float most = -std::numeric_limits<float>::max(), least = most;
   for (const AxisPoint& p : points) {

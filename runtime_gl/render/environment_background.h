@@ -7,7 +7,7 @@
 
 namespace multum::gl {
 
-/// The scene must have an environment. Alpha is 1.
+/// The scene must have an environment. The result's alpha is 1.
 FloatImage environment_background(const RenderScene& scene, int width, int height);
 
 /// Puts the picture in front of the background, weighted by alpha, the picture's coverage. The result's alpha is 1.

@@ -29,7 +29,7 @@ class EnvironmentShading {
  public:
   explicit EnvironmentShading(const GlFunctions& gl) : gl_(&gl) {}
 
-  /// Binds textures to units from `unit` on. Keeps data that is still valid from the last call.
+  /// Binds textures to units from `unit` on. Reuses data of the last call that is still valid.
   void set(const ShaderProgram& shader, const RenderScene& scene, bool samples_light, glm::ivec2 viewport, int unit);
 
   /// Sets the directions of sample number `sample` of the picture, for materials that sample light.
@@ -43,7 +43,7 @@ class EnvironmentShading {
   void set_parts(const ShaderProgram& shader, const RenderScene& scene, bool samples_light, glm::ivec2 viewport,
                  int unit);
   void set_map(const RenderScene& scene);
-  // Light of an environment that lobes reflect by a BRDF.
+  // The light of an environment that lobes reflect with a BRDF.
   struct Tables {
     std::vector<float> term_spreads;
     std::optional<Texture> texture;     // none for Lambert

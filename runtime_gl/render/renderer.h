@@ -23,7 +23,7 @@ namespace multum::gl {
 struct Picture {
   FloatImage image;
   // From glFinish to glFinish of one frame: the median of 3, or one frame that took longer than kLongFrameMs. For a
-  // reference: the time of all samples.
+  // reference, the time of all samples.
   double frame_time_ms;
   double processor_time_ms = 0.0;  // least of these frames, in all threads of this process; reference: 0
   double draw_time_ms = 0.0;       // drawing time by the driver's own timer (GL_TIME_ELAPSED); reference: 0

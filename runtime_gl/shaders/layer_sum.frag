@@ -32,7 +32,7 @@ vec3 multum_rounded_to_halves(vec3 values) {
   return vec3(multum_rounded_to_half(values.r), multum_rounded_to_half(values.g), multum_rounded_to_half(values.b));
 }
 
-// Finds the fine texels, of n, that coarse texel i covers: the first, their number, and up to three weights.
+// Finds which of n fine texels coarse texel i covers: the first of them, their number, and up to three weights.
 vec3 multum_cover(int n, int i, out int first, out int count) {
   first = n == 1 ? 0 : 2 * i;
   count = n == 1 ? 1 : 2 + n % 2;

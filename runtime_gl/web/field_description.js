@@ -7,7 +7,7 @@ const SIDE_MAX = 16384;
 const SUPERSAMPLING_MAX = 8;
 const SAMPLES_MAX = 65536;
 const DIMENSIONS_MAX = 16;
-const LAYERS_MAX = 16; // per object: texture units that every WebGL 2 has
+const LAYERS_MAX = 16; // limit per object: texture units that every WebGL 2 has
 const LIST_MAX = 1 << 20;
 
 /** Reads values of the expected kind; errors name the place, such as `objects[2].mesh`. */

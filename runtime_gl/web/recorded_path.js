@@ -2,7 +2,7 @@
 // A path through the parameters that the user records, plays again and saves as JSON
 // (docs/reference/packed_fields.md, "Recorded paths"):
 //   { "multumPath": 1, "parameters": ["view", "light"], "positions": [[0, 0.5, 3], ...] }
-// Each position has the seconds since the first one, and then a fractional index along each parameter.
+// A position contains the seconds since the first position, and then a fractional index along each parameter.
 
 const INTERVAL_S = 0.05; // between recorded positions
 const POSITIONS_MAX = 100000;

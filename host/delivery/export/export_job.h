@@ -84,9 +84,9 @@ struct ExportReport {
   std::string textures;            // "normal, orm"
   std::vector<std::string> files;
   std::vector<std::string> engines_failing;  // host/delivery/export/engine_support.h
-  std::string engine_line;                   // the same engines as text; empty: none
+  std::string engine_line;                   // the same engines as one line of text; empty: none
   std::vector<std::string> side_warnings;    // warnings about readers that do not support these sides
-  std::optional<ChosenForm> form;            // only for MaterialForm::kAuto
+  std::optional<ChosenForm> form;            // set only for MaterialForm::kAuto
   ExportAccuracy accuracy;
   std::map<std::string, std::uint64_t> launches;        // by kernel
   std::vector<std::pair<std::string, double>> seconds;  // by stage

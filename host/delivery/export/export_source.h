@@ -15,9 +15,9 @@ namespace multum {
 
 struct ExportSource {
   NormalMapRows map;
-  std::optional<PlaneStore> surface;  // only for MapSurface::kInterpolated
+  std::optional<PlaneStore> surface;  // set only for MapSurface::kInterpolated
   std::optional<LobeMaterial> material;
-  std::unique_ptr<BakedLobes> lobes;    // null: none to compare with
+  std::unique_ptr<BakedLobes> lobes;    // null: no lobes to compare with
   std::unique_ptr<InputHashes> hashes;  // hashes of the input files, computed before reading
 
   /// The result points into the source, which must outlive it.

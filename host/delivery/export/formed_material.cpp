@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kPixelsPerView = 140;
 constexpr int kRowsAtOnce = 64;
-constexpr double kColour = 0.5;      // base colour; exports have none
-constexpr float kMeanLeast = 0.01f;  // shortest usable mean; shorter ones are only rounding errors
+constexpr double kColour = 0.5;      // base colour, which exports do not have
+constexpr float kMeanLeast = 0.01f;  // shortest usable mean; shorter means are only rounding errors
 
 // A texture that computes each texel on request.
 class AskedTexture : public SharesTexture {

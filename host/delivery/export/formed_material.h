@@ -21,7 +21,7 @@ struct FormSettings {
 
 struct FormedReport {
   OneLobeReport fit;
-  std::optional<ChosenForm> form;  // only for MaterialForm::kAuto
+  std::optional<ChosenForm> form;  // set only for MaterialForm::kAuto
 };
 
 /// Equals fit_one_lobe() for MaterialForm::kOneLobe. Anisotropic lobes allow no other form.

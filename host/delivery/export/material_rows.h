@@ -12,7 +12,7 @@ namespace multum {
 struct MaterialRows {
   int width = 0, height = 0;
   std::vector<glm::vec3> normals;     // unit, or shorter means; x right, y up, z out
-  std::vector<float> roughness;       // perceptual, sqrt(alpha), 0..1; with anisotropy: across the axis
+  std::vector<float> roughness;       // perceptual roughness, sqrt(alpha), 0..1; with anisotropy, across the axis
   std::vector<glm::vec3> anisotropy;  // x, y: unit direction of the axis; z: strength, 0..1. Empty: isotropic
   std::vector<float> occlusion;       // 0..1; empty: no such map
   std::vector<float> metalness;       // 0..1; empty: no such map

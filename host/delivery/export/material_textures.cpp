@@ -37,8 +37,8 @@ TexelFormat texel_format(TextureRole role, MaterialTexels texels) {
   return has_blocks ? TexelFormat::kBc7 : TexelFormat::kRgba8;
 }
 
-// Returns the swizzle for channels that are not stored. Readers that obey it see normals that point up instead of down,
-// and find roughness in every colour channel.
+// Returns the swizzle for channels that are not stored. Readers that obey the swizzle see normals that point up instead
+// of down, and find roughness in every colour channel.
 std::string swizzle_of(TexelFormat format) {
   const int channels = info_of(format).channels;
   return channels == 1 ? "rrr1" : channels == 2 ? "rg11" : "";

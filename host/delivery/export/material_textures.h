@@ -47,7 +47,7 @@ inline float rebuilt_z(const glm::vec3& normal) {
 
 /// Returns stored red, green, blue, alpha; 8-bit values as shares.
 std::vector<glm::vec4> texels_of(TextureRole role, const MaterialFolderSettings& settings, const MaterialRows& rows);
-/// Converts texels that are stored as blocks back to rows. Planes that `rows` lacks stay empty.
+/// Converts texels that are stored as blocks back to rows. Planes that are missing in `rows` stay empty.
 void set_rows(TextureRole role, const MaterialFolderSettings& settings, const std::vector<glm::vec4>& texels,
               MaterialRows& rows);
 

@@ -128,7 +128,7 @@ class FormMeter {
     std::vector<double> factors = {};  // factors of lobes; empty: 1
   };
   static PixelColours colours_of(const ModelPixel& pixel, const LobeLevels& lobes);
-  struct Bent {  // a normal of a form, in world space
+  struct Bent {  // a normal of some form, in world space
     glm::dvec3 normal{0.0, 0.0, 1.0};
     double roughness = 1.0;
   };

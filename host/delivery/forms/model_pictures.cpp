@@ -98,7 +98,7 @@ void ModelPictures::View::draw(const TriangleMesh& mesh) {
   for (std::size_t t = 0; 3 * t + 2 < mesh.indices.size(); ++t) {
     const glm::dvec3 &a = corners[mesh.indices[3 * t]], &b = corners[mesh.indices[3 * t + 1]],
                      &c = corners[mesh.indices[3 * t + 2]];
-    if (std::min({a.z, b.z, c.z}) <= 0.0) continue;  // only by rounding: the eye is outside the sphere
+    if (std::min({a.z, b.z, c.z}) <= 0.0) continue;  // happens only by rounding, because the eye is outside the sphere
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (!(std::abs(area) > 1e-12)) continue;
     const auto bound = [](double value, int count) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * count)); };

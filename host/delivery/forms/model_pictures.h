@@ -31,7 +31,7 @@ struct SurfacePoint {
 };
 
 struct ModelPixel {
-  SurfacePoint middle;            // on the triangle under the pixel's middle
+  SurfacePoint middle;            // place on the triangle under the pixel's middle
   SurfacePoint along_x, along_y;  // change from pixel to pixel, on the plane of the same triangle
   std::vector<SurfacePoint> samples;
 };

@@ -15,7 +15,7 @@ namespace multum {
 namespace {
 
 constexpr int kSimpleSamples = 8;           // of a pixel
-constexpr double kSimpleTexelsMost = 32.0;  // per pixel; coarser views reuse the last level
+constexpr double kSimpleTexelsMost = 32.0;  // texels per pixel; coarser views reuse the last level
 constexpr double kSpherePixelsMin = 4.0;    // smallest radius of the sphere
 constexpr double kSphereRim = 0.9;          // share of the sphere's area; the rest counts as edges
 // Tilts of the plane seen from above, and of the tilted plane, in degrees.
@@ -54,7 +54,7 @@ struct Side {
   glm::dvec3 screen(double x, double y) const { return pixel * (x * right - y * up); }
 };
 
-// Returns the surface that a ray of a pixel hits; nullopt: none.
+// Returns the surface that a ray of a pixel hits; nullopt if it hits none.
 using Seen = std::function<std::optional<SurfacePoint>(double x, double y)>;
 
 // Texels and parts of the map.

@@ -15,7 +15,7 @@ namespace multum {
 /// New bytes of a buffer view.
 struct ViewContent {
   std::string bytes;
-  std::string file;  // contains the bytes if it is not empty
+  std::string file;  // file with the bytes, if not empty
   std::uint64_t byte_count = 0;
 };
 

@@ -24,11 +24,12 @@ struct GltfAsset {
   // Bytes by buffer, as many as the file declares. A buffer without bytes in the file is unset: extensions fill it
   // (fallback buffers of EXT_meshopt_compression).
   std::vector<std::optional<std::string>> buffers;
-  std::string other_chunks;  // whole chunks of a GLB after its bytes, unchanged
+  std::string other_chunks;  // whole chunks of a GLB that follow its bytes, unchanged
 
   /// Throws Error(kInput) naming the file.
   [[noreturn]] void refuse(const std::string& what) const;
-  /// Returns a top-level array such as "materials", or an empty one if the file has none. All elements are objects.
+  /// Returns a top-level array such as "materials", or an empty array if the file has no such array. All elements are
+  /// objects.
   const GltfJson& array(const char* name) const;
   /// Returns the index object[key], which is below the length of array(name). Throws Error(kInput).
   std::size_t index(const GltfJson& object, const char* key, const char* name) const;
@@ -54,10 +55,11 @@ struct GltfImageBytes {
 };
 GltfImageBytes read_gltf_image(const GltfAsset& asset, std::size_t image);
 
-/// Returns a type such as "image/png", detected from the bytes. Empty: not a type of glTF or its extensions.
+/// Returns a type such as "image/png", detected from the bytes. Returns an empty string for types that neither glTF nor
+/// its extensions support.
 std::string gltf_image_type(std::string_view bytes);
 
-/// Returns a non-negative integer; nullopt if the key has none.
+/// Returns the non-negative integer of a key; nullopt if the key has no such value.
 std::optional<std::uint64_t> unsigned_at(const GltfJson& object, const char* key);
 
 }  // namespace multum

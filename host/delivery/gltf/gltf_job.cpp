@@ -236,7 +236,7 @@ class GltfConversion {
     return made;
   }
 
-  // Returns the form that pictures choose for a source, or the requested form if none are drawn.
+  // Returns the form that pictures choose for a source, or the requested form if no pictures are drawn.
   ChosenForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
     ChosenForm form;
     form.normals = NormalForm::of(fitted.normal->level_count(),

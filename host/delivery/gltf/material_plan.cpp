@@ -44,7 +44,7 @@ class Planner {
  private:
   [[noreturn]] void refuse(const std::string& what) const { asset_.refuse(fmt::format("'{}': {}", what_, what)); }
 
-  // Returns a child that is an object; null: none.
+  // Returns a child that is an object; null if there is none.
   const GltfJson* object_at(const GltfJson& in, const char* key) const {
     const auto found = in.find(key);
     if (found == in.end()) return nullptr;

@@ -37,7 +37,7 @@ class SourceForms {
   std::map<std::uint64_t, std::unique_ptr<Drawn>> drawn_;  // by set
 };
 
-/// Replaces fitted values by averages in levels 1 and coarser, as the form says.
+/// Replaces fitted values by averages in levels 1 and coarser, as the form requires.
 void apply_normal_form(const NormalForm& form, FittedSource& fitted);
 
 }  // namespace multum

@@ -22,7 +22,7 @@ struct LookMap {
 };
 
 struct LookJob {
-  std::vector<LookMap> maps;    // at least one; the page lets the user choose
+  std::vector<LookMap> maps;    // at least one map; the page lets the user choose
   std::string output;           // *.html
   double base_roughness = 0.3;  // perceptual, 0.05..1
   bool same_source = false;     // fail if a source is not the file that was baked

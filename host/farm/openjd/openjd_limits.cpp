@@ -122,7 +122,7 @@ class Checker {
     check_description("template", job_);
     check_parameters();
     check_values();
-    // The name must not contain a path parameter: only a running task knows its value.
+    // The name must not contain a path parameter: only a running task knows the parameter's value.
     check_text("the job's name (--name)", resolved("the job's name (--name)", text_of(job_, "name"), {}),
                {1, kJobNameMax});
     const Json& steps = job_.at("steps");

@@ -138,7 +138,7 @@ class Service {
       const bool is_v6 = address.host.find(':') != std::string::npos;
       where = fmt::format("http://{}{}{}:{}", is_v6 ? "[" : "", address.host, is_v6 ? "]" : "", port);
     }
-    // For clients, if the system chose the port.
+    // Writes the address for clients, in case the system chose the port.
     write_text_file(settings_.data + "/address", where + "\n");
     service_log(LogSeverity::kInfo, 0, "listening on " + where);
   }

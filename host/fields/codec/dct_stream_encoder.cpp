@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-/// An isolated coefficient takes about this many bits. Coefficients that save less are not tried.
+/// An isolated coefficient needs about this many bits. Coefficients that save less are not tried.
 constexpr float kBitsLeast = 3.0f;
 /// The most bits that can be saved by dropping a coefficient, or by lowering it by one step. A change is not tried if
 /// it adds more error than these bits are worth. This shortcut changed files of field_demo1 by less than 0.1 %.

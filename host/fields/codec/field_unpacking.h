@@ -17,7 +17,7 @@
 namespace multum {
 
 /// Returns whether the file begins like a packed field; false also if it cannot be read. Throws Error(kInput) for files
-/// that first_bytes() refuses.
+/// that first_bytes() rejects.
 bool is_packed_field(const std::string& path);
 
 /// The index and description of a file; chunks are read on request. Two threads must not use it at once.

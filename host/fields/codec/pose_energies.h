@@ -13,9 +13,9 @@
 
 namespace multum {
 
-/// Chooses some of the poses that see an object from the same place, so that a chosen pose sees every cell of texels
-/// nearly as well as any pose does. `cell_masses`: [pose][cell], cell_sums of texel_masses. Returns ascending indices
-/// of poses.
+/// Chooses some of the poses that see an object from the same place. For every cell of texels, one of the chosen poses
+/// sees the cell nearly as well as any pose. `cell_masses`: [pose][cell], cell_sums of texel_masses. Returns ascending
+/// indices of poses.
 std::vector<std::size_t> poses_to_measure(const std::vector<std::vector<float>>& cell_masses);
 
 class PoseEnergies {
@@ -27,9 +27,9 @@ class PoseEnergies {
   void set_measured(std::size_t pose, const CoefficientLayout& layout, std::vector<float> energies,
                     const std::vector<float>& masses);
 
-  /// Sets the energies of a pose from similar `measured` poses. For each cell the measured pose that sees most of it is
-  /// used, scaled by the ratio of the cell's weights in both poses, and raised for the hidden part of each block. All
-  /// poses have textures of the same size and coordinates.
+  /// Sets the energies of a pose from similar `measured` poses. For each cell, uses the energies of the measured pose
+  /// that sees most of the cell. They are scaled by the ratio of the cell's weights in both poses, and raised for the
+  /// hidden part of each block. All poses have textures of the same size and coordinates.
   void set_like(std::size_t pose, const CoefficientLayout& layout, std::vector<std::size_t> measured,
                 const std::vector<float>& masses);
 

@@ -10,8 +10,8 @@ namespace multum {
 
 constexpr const char* kInferenceReportName = "report.json";  // next to the manifest
 
-/// Returns the squared error of frames drawn with a folder's textures, compared with the ray-traced frames: the mean of
-/// red, green and blue in 8-bit sRGB units, summed over the pixels that objects cover wholly in all samples. If no
+/// Returns the squared error of frames drawn with a folder's textures, compared with the ray-traced frames. The error
+/// is the mean of red, green and blue in 8-bit sRGB units, summed over all wholly covered pixels of all samples. If no
 /// frames were drawn, the errors are summed over layers; for four samples of field_demo1 this sum is 4 % larger.
 /// Returns nullopt if the folder has no report, or a report without these figures.
 std::optional<double> inference_error_sum(const std::string& folder);

@@ -30,7 +30,7 @@ struct TextureMapping {
   double stretch_max = 0.0;           // largest singular value of texels to pixels over all visible pixels
   int stretch_rounds = 0;             // number of scalings for the stretch limit
   std::size_t visible_pixels = 0;     // visible pixels in all views together
-  std::size_t degenerate_pixels = 0;  // visible pixels of triangles that are edge-on or a line in the texture
+  std::size_t degenerate_pixels = 0;  // visible pixels of triangles that are edge-on, or only a line in the texture
 };
 
 /// Returns the whole periods that move a triangle to its side of the cuts. If a triangle crosses a cut, which no

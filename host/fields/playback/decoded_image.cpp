@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kHalfBytes = 8;  // per texel of an image: RGBA halves
+constexpr std::size_t kHalfBytes = 8;  // bytes per texel of an image: RGBA halves
 // Per texel while an image is decoded: three colours, a plane, lines of wavelets.
 constexpr std::size_t kWorkBytes = 20;
 constexpr std::size_t kTextureWorkBytes = 32;  // per texel of a texture: three colours, and three of all mip levels

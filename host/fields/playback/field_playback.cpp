@@ -281,8 +281,7 @@ void FieldPlayback::drop_coefficients(Chunk& chunk) {
 }
 
 std::size_t FieldPlayback::chunk_work_bytes(const Chunk& chunk) const {
-  return file_.index().sections()[chunk.section].length + chunk.head_bytes +
-         chunk.limit;  // decoding makes another copy of the head
+  return file_.index().sections()[chunk.section].length + chunk.head_bytes + chunk.limit;  // decoding copies the head
 }
 
 // ---- frames

@@ -56,7 +56,7 @@ struct LayerNeed {
   std::size_t mapping = 0;          // mapping of the object: the texture's size
   bool is_decoded = false;          // all coefficients are decoded: the zero images are known
   std::array<float, 3> offset{};    // gamma-coded
-  std::vector<NeededImage> images;  // coarsest first, without images known to be zero
+  std::vector<NeededImage> images;  // the coarsest first, without images that are known to be zero
 };
 
 enum class ImageState { kAbsent, kAwaited, kDecoded, kUploaded };
@@ -91,7 +91,7 @@ class FieldPlayback {
   /// Requests the images still missing for the same frame, as far as memory allows. Call it after wait() and after
   /// uploads.
   void request();
-  /// Waits until a worker has finished something. Returns false at once if no worker runs.
+  /// Waits until a worker has finished a request. Returns false at once if no worker runs.
   bool wait();
 
   /// The object and mapping of a chunk's images.

@@ -154,7 +154,7 @@ void FieldPlayback::decode_chunk(Lock& lock, Chunk& chunk) {
     }
     decoded = file_.decode_chunk(chunk.section, bytes, limits);
     for (std::size_t i = 0; i < decoded->plan().image_count(); ++i) zeros.push_back(decoded->is_zero(i));
-  } catch (const std::exception& error) {  // also out of memory
+  } catch (const std::exception& error) {  // also thrown if memory runs out
     problem = error.what();
     decoded.reset();
   }

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kPositionsLeast = 2, kPositionsMost = 100000;  // as in recorded_path.js
+constexpr std::size_t kPositionsLeast = 2, kPositionsMost = 100000;  // the same limits as in recorded_path.js
 constexpr std::int64_t kFileBytesMax = std::int64_t{64} << 20;       // room for this many positions, indented
 
 [[noreturn]] void refuse_path(const std::string& what) { throw Error(ErrorCode::kInput, what); }

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Largest sum of bytes of a field and its geometry in one page: browsers parse such a page at once, and base64 adds a
+/// Limit for the bytes of a field and its geometry in one page. Browsers parse such a page at once, and base64 adds a
 /// third.
 constexpr std::uint64_t kPlayerPageBytesMax = std::uint64_t{16} << 20;
 

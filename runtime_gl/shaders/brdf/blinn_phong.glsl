@@ -2,19 +2,19 @@
 // Blinn-Phong for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl).
 //
 // Departures from the paper. Its rule s' = kappa s / (kappa + s) (eq. 20) is kept as
-// multum_movmf_blinn_phong_paper(): relative L1 over the hemisphere 3 % at kappa 50, 22 % at 5, 54-70 % at kappa <= 1.
-// The rule here: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine
-// A = |r| c_f, c_f = the mean cosine of f. One weight blends two shapes that have this mean cosine. A vMF is right for
-// a broad lobe. A cosine power is right for a lobe sharper than f, and exact at |r| = 1. Errors by quadrature
-// (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from 3, 1.8 %
-// from 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
+// multum_movmf_blinn_phong_paper(): its relative L1 error over the hemisphere is 3 % at kappa 50, 22 % at 5, 54-70 % at
+// kappa <= 1. The rule here uses that mean cosines multiply exactly under spherical convolution: the convolved lobe has
+// the mean cosine A = |r| c_f, where c_f is the mean cosine of f. One weight blends two shapes that have this mean
+// cosine. A vMF is accurate for broad lobes. A cosine power is accurate for lobes sharper than f, and exact at |r| = 1.
+// Errors by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2,
+// 2.8 % from 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa. The error is largest at kappa 2 to 5.
 
 // Constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)).
 const float MULTUM_SHAPE_BLEND = 1.4;
 
-// Returns log(1 - e) to full relative precision. The log(t) of a rounded t close to 1 has an error of 6e-8, and s = 1e5
-// multiplies it. log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); at e = 0.1 the omitted terms
-// are 3e-9.
+// Returns log(1 - e) to full relative precision. If t is rounded and close to 1, log(t) has an error of 6e-8, which s =
+// 1e5 would multiply. log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); at e = 0.1 the omitted
+// terms are 3e-9.
 float multum_log_one_minus(float e) {
   if (e > 0.1) return log(max(1.0 - e, 1e-30));
   float y = e / (2.0 - e);

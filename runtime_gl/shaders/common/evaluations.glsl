@@ -36,8 +36,8 @@ vec2 multum_point_place(float number, vec2 grid) {
 }
 
 // For materials without lobes: returns the variance of the geometry's unit normal over one of `count` parts of a pixel,
-// for both of its slopes together (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the
-// frames of several places already contain this variance.
+// summed over both slopes (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the frames of
+// several places already contain this variance.
 float multum_geometry_variance(vec3 normal_along_x, vec3 normal_along_y, float count) {
   return (dot(normal_along_x, normal_along_x) + dot(normal_along_y, normal_along_y)) / (12.0 * count);
 }

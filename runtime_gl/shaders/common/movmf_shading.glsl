@@ -107,10 +107,10 @@ float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
 }
 
-// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. For renderers that keep one normal
-// per pixel, as deferred renderers do: draw the lobe by amplitude, draw the normal here, and shade it with the
-// material's own roughness. The mean over frames is the sum over lobes. 1 - cosine by inversion (Ulrich 1984), tangents
-// by Duff et al. 2017.
+// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. This is for renderers that keep one
+// normal per pixel, such as deferred renderers: choose a lobe with its amplitude as probability, draw the normal here,
+// and shade it with the material's own roughness. The mean over frames is the sum over lobes. 1 - cosine by inversion
+// (Ulrich 1984), tangents by Duff et al. 2017.
 vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   vec3 mu = multum_movmf_mean_direction(lobe);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-3);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades filtered spherical harmonics of the normals under a fragment (Han et al. 2007, section 5), in the format of
-// `multum bake --ndf sh`: four coefficients per layer of a texture array, l*l + l + m - 1 of (l, m) from l = 1.
-// Coefficients are linear in the normals, so hardware filters them exactly, for any spread. A renderer defines
+// `multum bake --ndf sh`. A texture array holds four coefficients per layer; coefficient (l, m), l >= 1, has the index
+// l*l + l + m - 1. Coefficients are linear in the normals, so hardware filters them exactly, for any spread. A renderer
+// defines
 //
 //     MULTUM_SH_ORDER    the order of the file, multum:shOrder
 //     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)

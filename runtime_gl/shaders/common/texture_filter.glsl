@@ -111,7 +111,7 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 #endif
 #endif
 
-// Returns the level of detail of all taps together: that of the longer length, which a trilinear filter would use.
+// Returns the level of detail of all taps together: the level of the longer length, which a trilinear filter would use.
 float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
 #ifdef MULTUM_DRIVER_FILTER
   return max(footprint.level, log2(max(length(footprint.tap_step * vec2(size)), 1e-15)));

@@ -22,7 +22,7 @@ float multum_environment_level(float spread) {
 
 // Returns the mean of the light over one term's half vectors; `along` and `across` span the plane of v and mu.
 vec3 multum_term_light(vec3 mu, float d, float q, vec3 v, vec3 along, vec3 across) {
-  float variance = 1.0 / max(multum_vmf_kappa(d + (1.0 - d) * q), 0.1);  // if there is no direction, the widest parts
+  float variance = 1.0 / max(multum_vmf_kappa(d + (1.0 - d) * q), 0.1);  // without a direction: the widest parts
   float share = clamp(0.5 * u_level_spreads[1] / variance, MULTUM_PART_SHARE, 1.0);
   float offset = sqrt(2.0 * (1.0 - share) * variance);  // weights 1/4, 1/2, 1/4 along each axis
   vec3 light = vec3(0.0);

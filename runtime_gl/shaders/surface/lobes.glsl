@@ -106,7 +106,7 @@ vec4 multum_unpacking(int at) {
   return vec4(u_lobe_unpacking[at], u_lobe_unpacking[at + 1], u_lobe_unpacking[at + 2], u_lobe_unpacking[at + 3]);
 }
 
-// The unpacking is affine, so filtered channels give the filtered lobe.
+// Unpacking is affine, so filtered channels unpack to the filtered lobe.
 vec4 multum_fetch_lobe(int j, vec2 st, MultumFootprint footprint) {
 #if MULTUM_LOBE_LAYERS == 1
   vec4 texel = multum_filtered(u_lobe_layers, st, float(j), footprint);
@@ -266,7 +266,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     MULTUM_EACH_LOBE(j) surface.lobes[j] *= 1.0 - map_share;
   }
 #ifdef MULTUM_BASIS
-  finest *= mean_weight;  // weight of the first stored level
+  finest *= mean_weight;  // the weight in the first stored level
 #endif
   surface.lobes[MULTUM_LOBE_COUNT] = finest;
 #if defined(MULTUM_ALBEDO_MAP)

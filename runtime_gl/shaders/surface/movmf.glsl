@@ -48,7 +48,7 @@ float multum_spread_of_all(MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_VISIBILITY
-// Returns V for the mean cosines of the lobe's normals that reflect from l to v. These normals are near h. Their mean,
+// Returns V of the mean cosines over the lobe's normals that reflect from l to v. These normals are near h. Their mean,
 // which gives n.h, is between h and the lobe's mean, closer to the sharper of the two.
 float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   vec3 facets = multum_lobe_facets(lobe, h);

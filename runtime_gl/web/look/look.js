@@ -185,7 +185,8 @@ class LookPage {
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("measure").addEventListener("click", () => this.measure());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
-    // Uses the event's address: a waiting frame may already have restored the previous view in the page's address.
+    // Uses the event's address, because a waiting frame may already have restored the previous view in the page's
+    // address.
     addEventListener("hashchange", (event) => {
       const { hash } = new URL(event.newURL);
       if (hash.slice(1) !== hashOfView(this.view)) this.take(viewOfHash(hash));

@@ -83,7 +83,7 @@ export class GltfLobes {
       console.warn(`${NAME}: ${error.message}; it is drawn without lobes`);
       return;
     }
-    // The roughness of the surface alone; the material's roughness includes the spread of the normals.
+    // Only the roughness of the surface: the material's roughness includes the spread of the normals.
     material.roughness = extension.roughnessFactor ?? 1;
     material.roughnessMap = null;
     if (extension.metallicRoughnessTexture !== undefined)

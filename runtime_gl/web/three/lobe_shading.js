@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL that the add-on inserts into the fragment shader of MeshStandardMaterial and MeshPhysicalMaterial, around
-// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, RE_Direct and similar
-// ones, after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions
-// that add up over lobes. Lobes are converted to view space, where three.js shades.
+// GLSL that the add-on inserts into the fragment shaders of MeshStandardMaterial and MeshPhysicalMaterial. It uses
+// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, such as RE_Direct,
+// after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions that
+// add up over lobes. Lobes are converted to view space, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
 import { fragmentAtPoints, replaced, VARIANCE } from "./shading_points.js";
 
@@ -140,7 +140,7 @@ MultumFootprint multum_part_footprint(vec2 part) {
                              size);
 }
 
-// Fetches the lobes of the part of the pixel about the shaded point, at \`count\` places of it.
+// Fetches the lobes of the part of the pixel about the shaded point, at \`count\` places in this part.
 void multum_fetch_lobes(float count, vec2 part, float side) {
   vec2 size = vec2(multum_lobe_map_size());
   vec2 grid = multum_point_grid(count, length(part.x * multum_along_x_vNormalMapUv * size),
@@ -197,8 +197,8 @@ void multum_decide() {
 
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
-// Reads all other maps over a point's part of the pixel. Evaluations that go to lobes leave fewer points; a point's
-// maps are then means of as many places as there would be, read with the point's first lobe.
+// Reads all other maps over a point's part of the pixel. If evaluations are spent on lobes, there are fewer points. A
+// point's maps are then means over several places, which keeps the number of places; they are read with its first lobe.
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
   if (multum_maps_are_read) return multum_read_maps[number];
   ivec2 points = multum_points(), places = MULTUM_POINTS / points;

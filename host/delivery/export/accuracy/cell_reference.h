@@ -52,8 +52,8 @@ constexpr std::size_t kWideLightPoints = 16;
 
 /// The difference between a lobe's highlight and the reference.
 struct LobeError {
-  double error = 0.0;   // relative L1 error: integral of |lobe - reference| over the integral of the reference
-  double energy = 0.0;  // integral of the lobe over the integral of the reference
+  double error = 0.0;   // relative L1 error: integral of |lobe - reference| divided by that of the reference
+  double energy = 0.0;  // integral of the lobe divided by the integral of the reference
 };
 
 /// Computes the highlight of each light of a view.

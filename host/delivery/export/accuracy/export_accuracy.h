@@ -19,7 +19,7 @@
 namespace multum {
 
 struct ExportAccuracySettings {
-  std::vector<int> levels = {2, 4, 6};  // levels that the map lacks are skipped
+  std::vector<int> levels = {2, 4, 6};  // levels that the map does not have are skipped
   int cells_per_level = 16;             // measured texels per level
   // With this number, the standard error of the integral per map and level is below 1 % for the median of the maps in
   // docs/evidence/EXPORT.md.

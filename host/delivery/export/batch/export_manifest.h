@@ -26,8 +26,8 @@ struct ManifestExportResult {
   std::optional<ExportReport> report;  // set if this run exported the map
 };
 
-/// Exports a map that is not in place, or whose job forces it, and writes its record. `is_dry`: only checks. Throws
-/// Error, Cancelled.
+/// Exports a map if its files are not up to date or if its job forces the export, and writes its record. `is_dry`: only
+/// checks. Throws Error, Cancelled.
 ManifestExportResult run_manifest_export(const ManifestExport& map, bool is_dry, Device& device, Progress* progress);
 
 }  // namespace multum

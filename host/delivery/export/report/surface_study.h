@@ -29,8 +29,8 @@ struct StudyDistance {
 /// The flicker of one model in one motion, over all frames.
 struct StudyFlicker {
   double error = 0.0;  // relative L1
-  // Sum over frames and pixels of |change of the model - change of the reference|, over the sum of the reference. The
-  // value measures false or missing flicker per frame; the value of the reference is 0.
+  // Sum over frames and pixels of |change of the model - change of the reference|, divided by the sum of the reference.
+  // The value measures false or missing flicker per frame; the value of the reference is 0.
   double flicker = 0.0;
   double change = 0.0;  // the same sum with only |change of the model|
 };

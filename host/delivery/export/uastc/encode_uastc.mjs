@@ -91,7 +91,8 @@ async function blocksOf(texels, { width, rows }, plan, basis) {
   return { file, blocks: levelOf(file) };
 }
 
-// Returns the positions of a block's texels in a strip. Texels beyond the edge repeat the last ones, as in the encoder.
+// Returns the positions of a block's texels in a strip. Texels beyond the edge repeat the last texels, as in the
+// encoder.
 function texelsOfBlock({ width, rows }, block) {
   const columns = Math.ceil(width / BLOCK_SIDE);
   const [x, y] = [BLOCK_SIDE * (block % columns), BLOCK_SIDE * Math.floor(block / columns)];
@@ -158,7 +159,7 @@ const PLANES = [
 
 // Replaces blocks if another coding of the same normals has a lower angle error.
 async function improveNormals(texels, strip, found, plan, basis) {
-  const worth = 16 * (0.1 * Math.PI / 180) ** 2; // a block below 0.1 degrees is good enough
+  const worth = 16 * (0.1 * Math.PI / 180) ** 2; // blocks with errors below 0.1 degrees are good enough
   const wanted = new Map();
   for (let block = 0; block < found.blocks.length / BLOCK_BYTES; ++block) {
     const places = texelsOfBlock(strip, block), v = vectorsAt(texels, places);

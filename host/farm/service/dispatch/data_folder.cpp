@@ -239,7 +239,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
       if (is_ours && (!is_folder || unlisted_in(output, seal_).empty()))
         remove_own(output, "the result of a purged job");
     } catch (const Error&) {
-      continue;  // it cannot be examined at present
+      continue;  // the file cannot be examined at present
     }
     queue.files().forget_left_over(job);
   }

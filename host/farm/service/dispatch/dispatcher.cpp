@@ -71,7 +71,7 @@ ClaimLimits limits_of(const ServiceSettings& settings) {
 bool is_result_intact(const JobRoots& roots, const Job& job) {
   try {
     return job.output.empty() || is_as_made(roots.outputs, job.output, job.result_identity, roots.seal);
-  } catch (const Error&) {  // it cannot be examined at present
+  } catch (const Error&) {  // the file cannot be examined at present
     return false;
   }
 }
@@ -511,7 +511,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
                     fmt::format("attempt {} {}{}{}", attempt, attempt_outcome_name(result.outcome),
                                 result.message.empty() ? "" : ": ", result.message));
         const auto found = running_.find(id);
-        // A partial result is kept, and the next attempt resumes it.
+        // A partial result is kept, and the next attempt continues it.
         if (*is_final_state && found != running_.end() && !found->second.job.output.empty())
           remove_staging(found->second.job);
         forget_running(id, result.outcome);
@@ -570,7 +570,7 @@ void Dispatcher::wake_at(std::optional<TimeMs> due) {
 }
 
 void Dispatcher::on_due() {
-  wake_at(wall_clock_ms() + 5000);  // in case the code below fails
+  wake_at(wall_clock_ms() + 5000);  // wakes up even if the code below fails
   const auto overdue = std::make_shared<JobQueue::Overdue>();
   const auto due = std::make_shared<std::optional<TimeMs>>();
   ledger_.run(

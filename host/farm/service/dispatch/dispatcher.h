@@ -46,7 +46,7 @@ class Dispatcher {
   void pump();
   /// Called when other code has changed jobs: tells listeners, and pumps.
   void changed(const std::set<std::int64_t>& ids);
-  /// Asks the worker of a running job to stop; the attempt ends with `outcome`.
+  /// Tells the worker of a running job to stop; the attempt ends with `outcome`.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
   void set_paused(const std::string& queue, bool is_paused);
   /// Takes new limits from the settings.

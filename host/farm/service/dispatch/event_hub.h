@@ -20,7 +20,7 @@ namespace multum {
 struct ServiceEvent {
   std::uint64_t number = 0;
   std::int64_t job = 0;
-  std::shared_ptr<const std::string> text;  // as sent, shared by all listeners
+  std::shared_ptr<const std::string> text;  // the text as sent, shared by all listeners
 };
 
 class EventHub {

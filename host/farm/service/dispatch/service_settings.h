@@ -17,7 +17,7 @@ namespace multum {
 struct ServiceSettings {
   std::string data;                       // folder of the ledger, logs and uploads
   std::string listen = "127.0.0.1:8470";  // HOST:PORT, [::1]:PORT or unix:PATH; port 0: any free port
-  std::string token_file;                 // its first line is the bearer token; required except on loopback
+  std::string token_file;                 // file whose first line is the bearer token; required except on loopback
   std::vector<std::string> roots;         // folders that jobs may read and write, at least one
   int workers = 2;                        // 1..256
   int threads_a_worker = 0;               // 0: divides the cores among the workers
@@ -30,7 +30,7 @@ struct ServiceSettings {
   std::chrono::milliseconds cancel_grace{10000};
   std::chrono::milliseconds shutdown_grace{30000};  // time for running jobs at shutdown, before they are handed back
   int upload_bytes_max = 64 << 20;
-  int retention_days = 30;                         // of finished jobs and their logs; 0: no limit
+  int retention_days = 30;                         // age of finished jobs and logs when they are removed; 0: no limit
   std::int64_t data_max = std::int64_t{20} << 30;  // bytes of uploads, results and logs in `data`; 0: no limit
   int upload_days = 7;                             // age limit of uploads that no job waits for; 0: no limit
   int connections_max = 4096;

@@ -613,8 +613,8 @@ bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto origin = request.headers.find("origin");
   if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
     return false;
-  // Requests without an origin are usually for pictures; browsers report if another page makes such a request. Links to
-  // the page are allowed.
+  // Requests without an origin are usually for pictures; browsers report if another page makes such a request. Links
+  // from other pages to this page are allowed.
   const auto site = request.headers.find("sec-fetch-site"), mode = request.headers.find("sec-fetch-mode");
   const bool is_foreign =
       site != request.headers.end() && (site->second == "cross-site" || site->second == "same-site");

@@ -12,9 +12,9 @@ namespace multum {
 /// Times to wait for a silent service.
 struct HttpPatience {
   std::chrono::milliseconds connecting = std::chrono::seconds(10);
-  std::chrono::milliseconds answer = std::chrono::seconds(60);  // for answers; event streams pulse every 10 s
+  std::chrono::milliseconds answer = std::chrono::seconds(60);  // wait for answers; event streams pulse every 10 s
   std::chrono::milliseconds work =
-      std::chrono::minutes(15);  // for requests that change something: inputs are read first
+      std::chrono::minutes(15);  // longer for requests that change something, because inputs are read first
 };
 
 class HttpClient {
@@ -23,8 +23,8 @@ class HttpClient {
   HttpClient(std::string server, std::string token, HttpPatience patience = {});
 
   /// Returns the answer's JSON, or its text as a JSON string. Throws Error(kEnvironment) when the server cannot be
-  /// reached or is silent for too long. For a refusal, throws its message: kUsage for a status below 500, else
-  /// kEnvironment.
+  /// reached or is silent for too long. For a refusal, throws an Error with its message: kUsage for a status below 500,
+  /// otherwise kEnvironment.
   nlohmann::json ask(const std::string& method, const std::string& target, const nlohmann::json& body = nullptr);
   /// Returns the answer's body unchanged; throws like ask().
   std::string text(const std::string& target);

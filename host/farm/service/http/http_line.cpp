@@ -61,11 +61,11 @@ void check_fields(const HttpLine::Parser& parser) {
 
 }  // namespace
 
-// Cancels the socket's operations after a timeout. Outlives the line, since its timer may fire afterwards.
+// Cancels the socket's operations after a timeout. Outlives the line, because the timer may fire after the line's end.
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // Waits only once at a time, so a busy line does not set its timer for each request.
+  // Has at most one pending wait, so a busy line does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);

@@ -48,13 +48,13 @@ constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
 constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
-constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two writes to one listener
+constexpr auto kStreamPause = std::chrono::milliseconds(50);  // pause between two writes to one listener
 constexpr std::size_t kStreamBacklog = 8192;     // events waiting for a slow listener, before it is disconnected
 constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; beyond them, slow listeners are disconnected
 constexpr std::size_t kStreamText = 16384;       // approximate bytes per write
 constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
-constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell other clients to wait
+constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and for telling clients to wait
 
 // A plus means a space only in queries (URL Standard, application/x-www-form-urlencoded). Returns nullopt also for a
 // NUL, which no valid name or text contains.
@@ -356,7 +356,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return co_await finish(line, message, keep, is_head);
   }
 
-  // Sends any amount, as long as the client keeps receiving.
+  // Sends any number of bytes, as long as the client keeps receiving.
   template <typename Message>
   static asio::awaitable<bool> finish(HttpLine& line, Message& message, bool keep, bool is_head) {
     http::response_serializer<typename Message::body_type> serializer(message);
@@ -467,7 +467,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         line->is_asleep = false;
         if (!error) text = ": pulse\n\n";  // shows both sides that the connection works
       }
-    } catch (const std::exception&) {  // disconnected, or no memory: the client reconnects
+    } catch (const std::exception&) {  // the client has disconnected, or there is no memory: the client reconnects
     }
     events.remove(key);
   }

@@ -43,7 +43,7 @@ class HttpBody {
   virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
   /// A strong validator, in quotes, if the bytes are the same each time; "": ranges are not available.
   virtual std::string etag() const { return ""; }
-  /// Blocks. Skips the next bytes. Only for a body with an etag().
+  /// Blocks. Skips the next bytes. Call it only for a body with an etag().
   virtual void skip(std::uint64_t) {}
 };
 

@@ -70,7 +70,7 @@ std::string last_line(const std::string& path) {
   return last.substr(0, kReasonMax);
 }
 
-// Returns the number at the beginning of a folder's name; 0: none.
+// Returns the number at the beginning of a folder's name; 0 if there is none.
 std::int64_t id_of(const std::string& name) {
   std::int64_t id = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
@@ -79,7 +79,7 @@ std::int64_t id_of(const std::string& name) {
 
 bool is_page(const std::string& name) { return name.ends_with(".html"); }
 
-// Returns whether an earlier daemon made a view of any type there.
+// Returns whether an earlier daemon made a view of any type in this folder.
 bool has_view(const fs::path& folder) {
   for (const JobType& type : job_types())
     for (const JobView& view : type.views)
@@ -90,7 +90,7 @@ bool has_view(const fs::path& folder) {
 std::string end_of(const ChildResult& result, const std::string& program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
   if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
-  return "";  // it has printed the error
+  return "";  // the reader has printed the error
 }
 
 const JobView& find_view(const Job& job, const std::string& name) {
@@ -263,7 +263,7 @@ void JobPictures::make(const Request& request) {
   if (is_made(request)) return;
   remove_folder(request.folder);  // made from other maps
   data_.check_room(1);
-  make_folder(folder_);  // it may have been removed
+  make_folder(folder_);  // the folder may have been removed
   const std::string unfinished = folder_ + "/unfinished";
   std::error_code error;
   fs::remove_all(unfinished, error);

@@ -36,7 +36,7 @@ class ResultArchive : public HttpBody {
   void begin_next();
   void end_file();
 
-  OpenFile folder_, open_;  // `open_`: the file that is being sent
+  OpenFile folder_, open_;  // `open_` is the file that is being sent
   std::string name_, etag_;
   std::vector<File> files_;
   std::size_t next_ = 0;

@@ -18,7 +18,7 @@ const std::map<std::string, std::string_view>& shared_web_files();
 const std::map<std::string, std::string_view>& web_files();
 
 /// Answers "/" and "/NAME" for each file; 304 if the client has it already. The page may load nothing from elsewhere
-/// and run only its own script, whatever untrusted text it shows.
+/// and run only its own script, whatever untrusted text the page shows.
 HttpResponse web_file_response(const HttpRequest& request);
 
 }  // namespace multum

@@ -19,7 +19,7 @@ class FileNotes {
 
   struct LeftOver {
     std::int64_t job = 0;  // the purged job
-    std::string output;    // below LedgerSettings::results; "": no output there
+    std::string output;    // output below LedgerSettings::results; "": no output there
     std::string identity;  // identity of the published result; "": none is known
   };
   /// Returns at most `limit` files of purged jobs above `after`, in order.

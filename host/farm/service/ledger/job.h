@@ -16,7 +16,7 @@ enum class JobState {
   kQueued,      // may start, at once or after its back-off
   kRunning,     // a worker holds a lease on it
   kPublishing,  // done; its result is about to get its final name
-  kSucceeded,   // its result is in place
+  kSucceeded,   // the result is in its place
   kDead,        // failed permanently; `retry` queues the job again
   kCancelled,
 };

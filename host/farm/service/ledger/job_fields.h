@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of a job's fields, one row each. The table determines the ledger's columns, the JSON of jobs, the fields of
-// a submission, the options option of `multum jobs submit`, the rows of the page and schemas of
-// docs/reference/openapi.json. A new field needs a member of Job, its row, the lines that set it, and schemas updated
-// by tools/parameter_documents.
+// a submission, the options of `multum jobs submit`, the rows of the page and schemas of docs/reference/openapi.json.
+// A new field needs a member of Job, its row, the lines that set it, and schemas updated by
+// tools/parameter_documents.
 #pragma once
 
 #include <limits>
@@ -33,7 +33,7 @@ struct JobField {
   const char* described = "";               // description in answers; null: not in answers
   const char* label = nullptr;              // label of its row on the page; null: no row
 
-  const char* asked_as = nullptr;    // its key in a submission; null: clients cannot set it
+  const char* asked_as = nullptr;    // the field's key in a submission; null: clients cannot set it
   const char* asked_described = "";  // there
   const char* expected = nullptr;    // text for error messages; null: parse_submit() checks the field separately
   bool has_default = false;          // the schema also gives the default of Job

@@ -29,8 +29,8 @@ std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
 
 namespace {
 
-// ?1 state, ?2 queue, ?3 before, ?4 limit. Each query reads in the order of an index and stops at the limit. Only the
-// query by queue and state reads the numbers of all matching jobs, also from an index.
+// ?1 state, ?2 queue, ?3 before, ?4 limit. Each query reads rows in the order of an index and stops at the limit. Only
+// the query by queue and state reads the numbers of all matching jobs, also from an index.
 constexpr char kOfAll[] =
     "WHERE (?2 = '' OR queue = ?2) AND id < IFNULL(?3, 9223372036854775807) ORDER BY id DESC LIMIT ?4";
 constexpr char kOfState[] =

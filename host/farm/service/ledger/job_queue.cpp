@@ -478,7 +478,7 @@ JobQueue::Overdue JobQueue::expire_deadlines(TimeMs now) {
       overdue.running.push_back(id);
       continue;
     }
-    if (is_final(job->state)) continue;  // ended with a job that it needs
+    if (is_final(job->state)) continue;  // died when a job that it needs ended
     finish(id, JobState::kDead, "its deadline passed before the job could start", now);
     fail_dependents(id, now);
     overdue.dead.push_back(id);

@@ -81,7 +81,7 @@ class JobQueue {
   /// Opens or creates the database. Throws like SqliteDatabase and prepare_ledger(), and Error(kEnvironment) for the
   /// ledger of another instance.
   explicit JobQueue(const LedgerSettings& settings);
-  /// Name of the folder that owns the ledger; "": none yet.
+  /// Returns the name of the folder that owns the ledger; "": no folder yet.
   const std::string& instance() const { return instance_; }
   /// Makes the next job's number larger than `number`, whether or not this ledger gave the numbers up to it. A new
   /// ledger, and an old copy that replaces a later one, skip the numbers up to LedgerSettings::numbers by themselves.
@@ -117,7 +117,7 @@ class JobQueue {
   /// Retries all dead jobs of one queue or of all, except for jobs that retry() would refuse; their messages give the
   /// reason. Returns all jobs that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
-  /// Jobs that may no longer start die. Returns their ids, and those of running jobs that must be stopped.
+  /// Lets jobs die that may no longer start. Returns the ids of these jobs, and of running jobs that must be stopped.
   struct Overdue {
     std::vector<std::int64_t> dead, running;
   };

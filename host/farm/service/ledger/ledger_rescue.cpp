@@ -358,7 +358,7 @@ Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, con
 std::string take_place(const std::string& path, const std::string& fresh) {
   const std::string kept = free_name(path);
   std::error_code error;
-  if (fs::exists(fresh + "-wal", error))  // its contents would be lost
+  if (fs::exists(fresh + "-wal", error))  // the contents of the log would be lost
     throw Error(ErrorCode::kEnvironment, fresh + ": cannot be completed; is the disk full?");
   fs::rename(path, kept, error);
   if (error)

@@ -15,7 +15,7 @@ namespace multum {
 void prepare_ledger(SqliteDatabase& database, bool may_begin);
 /// Adds missing columns to the table of jobs, for fields that are newer than the table.
 void add_job_columns(SqliteDatabase& database);
-/// The end of messages about a lost ledger: advice to the user.
+/// Returns advice to the user, with which messages about a lost ledger end.
 const char* lost_ledger_advice();
 
 /// Columns of the table of jobs.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the ledger that the daemon continues. DATA/instance and the ledger name each other. If the ledger of a used
-// folder is missing, empty or from another folder, the daemon does not start a new one by itself.
+// Finds the ledger that the daemon continues. DATA/instance and the ledger contain the same name. If the ledger of a
+// used folder is missing, empty or from another folder, the daemon does not start a new one by itself.
 #pragma once
 
 #include <string>

@@ -63,7 +63,7 @@ void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(do
 
 void QueueThread::run_now(const Work& work) {
   std::promise<std::exception_ptr> ended;
-  // Does not use `post`, because the caller's thread waits. Waits for the commit, because it may fail.
+  // Does not use `post`, because the caller's thread waits. Waits for the commit, because the commit may fail.
   add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
   if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
 }
@@ -151,7 +151,7 @@ bool QueueThread::run_batch(std::vector<Task>& batch) {
     if (is_no_space) queue_.database().empty_log();  // may make room for the next batch
     try {
       queue_.resync();
-    } catch (...) {  // the next batch fails likewise
+    } catch (...) {  // the next batch then fails too
     }
     return false;
   }

@@ -19,7 +19,8 @@ namespace multum {
 
 class QueueThread {
  public:
-  /// May throw: its changes are then undone. May run again if its changes were undone together with other work.
+  /// May throw; the changes of the work are then undone. It may run again if its changes were undone together with
+  /// other work.
   using Work = std::function<void(JobQueue&)>;
   using Done = std::function<void(std::exception_ptr)>;     // called after the commit, through `post`; null: success
   using Post = std::function<void(std::function<void()>)>;  // runs a function on the caller's thread

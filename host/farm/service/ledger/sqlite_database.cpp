@@ -20,7 +20,7 @@ bool SqliteError::is_of_content() const {
     case SQLITE_NOTADB:
     case SQLITE_TOOBIG:
     case SQLITE_FORMAT:
-    case SQLITE_ERROR:       // a function refuses a value, or a table is missing
+    case SQLITE_ERROR:       // a function rejects a value, or a table is missing
     case SQLITE_MISMATCH:    // a type that a column cannot have
     case SQLITE_CONSTRAINT:  // a value that a column cannot have
     case SQLITE_SCHEMA: return true;
@@ -168,7 +168,7 @@ void SqliteDatabase::look_only(const std::string& why) {
   if (file_number(path_) == file_) {  // only its log is gone: saves the log's contents
     try {
       execute("PRAGMA wal_checkpoint(FULL)");
-    } catch (const Error& error) {  // within a transaction: closing the database does it
+    } catch (const Error& error) {  // within a transaction; closing the database empties the log
       log_verbose(error.what());
     }
   } else {  // closing would remove another file's log

@@ -19,7 +19,8 @@ namespace multum {
 
 class SqliteDatabase;
 
-/// An error that SQLite reports for a statement or for the data that it reads. The only exception for damaged files.
+/// An error that SQLite reports for a statement or for the data that it reads. No other exception is thrown for damaged
+/// files.
 class SqliteError : public Error {
  public:
   SqliteError(ErrorCode code, const std::string& message, int result) : Error(code, message), result_(result) {}
@@ -97,7 +98,7 @@ class SqliteDatabase {
   /// Makes the database read-only: changes throw Error(kEnvironment, why).
   void look_only(const std::string& why);
   bool is_look_only() const { return !look_only_.empty(); }
-  /// Throws if a change would.
+  /// Throws if a change would throw.
   void check_may_change() const;
 
  private:

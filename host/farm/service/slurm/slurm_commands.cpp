@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // per command; Slurm's own timeouts are shorter
+constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // time limit of a command; Slurm's own timeouts are shorter
 constexpr std::size_t kNamesAtOnce = 500;                   // of scancel
 
 template <typename Number>
@@ -100,7 +100,8 @@ bool SlurmTask::is_over() const {
 }
 
 bool SlurmTask::is_stuck() const {
-  // Slurm holds a task that a node cannot start; a dependency may have become impossible. Tasks that people hold wait.
+  // Slurm holds a task if a node cannot start it, or if a dependency has become impossible. Tasks that users hold only
+  // wait.
   return state == "PENDING" && (reason == "launch_failed_requeued_held" || reason == "launch failed requeued held" ||
                                 reason == "DependencyNeverSatisfied");
 }
@@ -152,7 +153,7 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
   words.push_back(s.script);
   words.insert(words.end(), s.command.begin(), s.command.end());
-  // "12" or "12;cluster", perhaps after remarks.
+  // sbatch prints "12" or "12;cluster", perhaps after remarks.
   std::istringstream lines(run(words));
   std::string line, last;
   while (std::getline(lines, line))

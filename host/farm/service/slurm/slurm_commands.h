@@ -30,7 +30,7 @@ struct SlurmSubmission {
 /// A task in Slurm's list.
 struct SlurmTask {
   std::int64_t job = 0;
-  int item = -1;  // its number in the array; -1: not in an array
+  int item = -1;  // the task's number in the array; -1: not in an array
   std::string name, state, reason, node;
 
   /// Returns whether the task will not run again.
@@ -42,7 +42,7 @@ struct SlurmTask {
 /// Returns the name of a task for scancel and scontrol: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// What an error message of sbatch means for the order.
+/// The meaning of an sbatch error message for the order.
 enum class SlurmRefusal {
   kNotNow,        // the controller does not answer, or accepts nothing at present: the same order may succeed later
   kNever,         // a partition, an account, a limit: the order fails until the settings are changed
@@ -62,7 +62,7 @@ struct SlurmTarget {
 
 class SlurmCommands {
  public:
-  /// `is_stopped` is called while a command runs; true kills the command.
+  /// `is_stopped` is called while a command runs; if it returns true, the command is killed.
   SlurmCommands(SlurmSettings settings, std::function<bool()> is_stopped);
 
   /// Returns the number of the Slurm job. Throws Error(kEnvironment) with sbatch's message (refusal_of()).

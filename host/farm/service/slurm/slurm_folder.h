@@ -80,7 +80,8 @@ class SlurmBatchFolder {
   std::string output(bool is_array) const;
   /// Returns the last line that a task printed; "": none.
   std::string last_words(int item, bool is_array) const;
-  /// Appends an item's new log lines to another file, each after `prefix`. `is_last`: also appends an unfinished line.
+  /// Appends an item's new log lines to another file, each after `prefix`. `is_last`: also appends the unfinished last
+  /// line.
   void move_log(int work_item, int item, const std::string& to, const std::string& prefix, bool is_last) const;
 
  private:

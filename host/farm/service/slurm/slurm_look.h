@@ -44,9 +44,9 @@ struct SlurmLook {
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched);
 
-/// The second half of a look. Lists each batch's folder once, and opens only existing files: with thousands of waiting
-/// parts, each attempt to open a missing file would be a request to the file server. `watched` should be sorted by key;
-/// otherwise folders are listed more often.
+/// The second half of a look. Lists each batch's folder once, and opens only existing files, because each attempt to
+/// open a missing file is a request to the file server, and thousands of parts may wait. `watched` should be sorted by
+/// key; otherwise folders are listed more often.
 void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts);
 

@@ -29,7 +29,7 @@ constexpr int kChunkJobsMax = 100;
 /// `chunk_seconds`; each other job is a group by itself.
 std::vector<std::vector<std::size_t>> make_chunks(const std::vector<double>& seconds, double chunk_seconds);
 
-/// Returns a time limit in the range of the settings; it doubles with each attempt.
+/// Returns a time limit in the range of the settings; the limit doubles with each attempt.
 std::chrono::seconds time_limit(const SlurmSettings& settings, double seconds, int attempt);
 
 /// The meaning of a part's name: "" is a whole job, "3/8" a share of its map, "merge 8" the merge of 8 shares.

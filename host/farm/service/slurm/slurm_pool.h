@@ -41,7 +41,7 @@ struct SlurmPoolSettings {
   SlurmSettings slurm;
   std::string instance;            // part of the names of the daemon's jobs at Slurm
   std::vector<std::string> roots;  // folders that jobs may read and write
-  std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};  // for workers on nodes
+  std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};  // times for workers on nodes
 };
 
 struct SlurmWork {
@@ -63,7 +63,7 @@ class SlurmPool {
     std::uint64_t forgotten = 0;          // unknown to Slurm, so sent again
     std::uint64_t cancelled_unknown = 0;  // unknown to the ledger
     std::uint64_t parts_ended = 0, parts_lost = 0, rounds = 0;
-    double submit_seconds = 0.0;  // for writing orders and running sbatch
+    double submit_seconds = 0.0;  // time spent on writing orders and running sbatch
   };
   /// Data of a running part that its ledger record does not have.
   struct PartView {
@@ -76,11 +76,11 @@ class SlurmPool {
   SlurmPool(const SlurmPool&) = delete;
   SlurmPool& operator=(const SlurmPool&) = delete;
 
-  /// Takes over the work that an earlier daemon has sent, according to the ledger. Called before start().
+  /// Takes over the work that an earlier daemon has sent, as recorded in the ledger. Called before start().
   void adopt(const std::vector<SlurmWork>& works, const std::vector<SlurmPart>& parts, std::int64_t last_batch);
   /// Throws Error(kEnvironment) when the shared folder cannot be used.
   void start();
-  /// Sends nothing more; work at Slurm continues.
+  /// Sends no more jobs; work at Slurm continues.
   void close();
 
   /// Returns the number of further jobs that the pool accepts.
@@ -128,7 +128,7 @@ class SlurmPool {
     SlurmEstimate estimate;
     int round = 1, share_count = 0, shares_done = 0, submissions = 0;
     bool have_inputs_changed = false;
-    std::optional<WorkResult> result;  // reported when none of its parts runs any more
+    std::optional<WorkResult> result;  // reported when no part of the batch runs any more
     std::uint64_t given_up_in = 0;     // number of the look before the job was told to stop
   };
   struct Sending {

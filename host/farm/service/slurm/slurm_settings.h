@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings for Slurm: [slurm] of serve.toml, which docs/reference/service.md lists.
+// Settings for Slurm: table [slurm] of serve.toml, whose keys docs/reference/service.md lists.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ struct SlurmSettings {
   std::string folder;                    // folder for orders and results, same path on all nodes; "": no Slurm
   std::string partition, account;        // "": Slurm's own
   std::vector<std::string> arguments;    // further arguments of sbatch
-  std::string program;                   // multum on the nodes; "": the same path as here
+  std::string program;                   // path of multum on the nodes; "": the same path as on this machine
   std::vector<std::string> queues;       // queues whose jobs are sent
   std::vector<std::string> types;        // types of jobs that are sent; empty: all
   int jobs_max = 1000;                   // jobs at Slurm at the same time, 1..100000
@@ -25,7 +25,7 @@ struct SlurmSettings {
   std::chrono::seconds time_min{600};    // smallest time limit
   std::chrono::seconds time_max{86400};  // largest time limit; also used for jobs of unknown cost
   std::chrono::milliseconds poll{2000};
-  std::chrono::milliseconds visible{10000};  // delay until a node's files are visible here
+  std::chrono::milliseconds visible{10000};  // longest delay until a node's files are visible to the daemon
   std::chrono::milliseconds lease{120000};   // longest silence of a running task
 
   bool is_on() const { return !folder.empty(); }

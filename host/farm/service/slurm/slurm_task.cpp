@@ -155,7 +155,7 @@ class Task {
   asio::signal_set signals_;
   std::size_t at_ = 0;
   bool is_running_ = false, is_stopping_ = false, is_interrupted_ = false;
-  std::optional<WorkResult> ended_;  // result of item() that could not be written yet
+  std::optional<WorkResult> ended_;  // result of item() that has not been written yet
   JobProgress progress_;
   std::uint64_t beat_ = 0;
   int ticks_ = 0;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSubmissionsMax = 10;                     // how often an attempt is submitted that Slurm does not begin
 constexpr int kIdleFactor = 10;                         // lengthens the pause between looks if nothing is watched
-constexpr auto kLingering = std::chrono::seconds(30);   // for a task whose parts have all ended
+constexpr auto kLingering = std::chrono::seconds(30);   // time for a task to end when all its parts have ended
 constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
 constexpr const char* kCompleting = "COMPLETING";       // cancelled, perhaps on a node that does not answer
 constexpr int kShareUnits = 1000;                       // of progress

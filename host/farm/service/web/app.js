@@ -63,7 +63,7 @@ function showQueues(answer) {
   byId("retry-dead").hidden = sum("dead") === 0;
   setText(byId("retry-dead"), `Retry all dead (${sum("dead").toLocaleString()})`);
   const total = STATES.reduce((all, state) => all + sum(state), 0);
-  if (total < showQueues.total) list.loadSoon(0); // some jobs were purged, which causes no event
+  if (total < showQueues.total) list.loadSoon(0); // jobs were purged, which causes no event
   showQueues.total = total;
   const going = sum("running") + sum("publishing");
   document.title = going ? `(${going}) multum` : "multum";

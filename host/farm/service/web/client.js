@@ -16,7 +16,7 @@ export class Refused extends Error {
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 
-let asking = null; // for the token: one dialog for all refused requests
+let asking = null; // the dialog for the token, one for all refused requests
 
 function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {
@@ -24,7 +24,7 @@ function askForToken(isWrong) {
     const input = byId("token-text");
     setText(byId("token-wrong"), isWrong ? "This token was refused." : "");
     input.value = "";
-    dialog.addEventListener("cancel", (event) => event.preventDefault()); // nothing can be shown without a token
+    dialog.addEventListener("cancel", (event) => event.preventDefault()); // without a token, nothing can be shown
     dialog.addEventListener("close", () => {
       sessionStorage.setItem(TOKEN, input.value);
       asking = null;

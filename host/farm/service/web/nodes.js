@@ -90,7 +90,7 @@ export class ProgressBar {
     this.bar = node("progress", { max: 1, "aria-label": "progress" });
     this.words = node("span");
     this.root = node("div", { class: "progress", hidden: true }, this.bar, this.words);
-    this.first = null; // first observation of this attempt and stage
+    this.first = null; // time and progress when this attempt and stage were first observed
   }
 
   show(job) {

@@ -23,7 +23,7 @@ constexpr auto kTimeMax = std::chrono::seconds(10);
 constexpr std::uint64_t kMemoryMax = std::uint64_t{512} << 20;
 constexpr std::size_t kOutputMax = 16 << 20;  // bytes, since the daemon reads it
 
-// Skips warnings before the last line.
+// Returns the last line; skips warnings before it.
 std::string last_line(std::string output) {
   while (output.ends_with('\n')) output.pop_back();
   return output.substr(output.rfind('\n') + 1);

@@ -14,7 +14,7 @@
 namespace multum {
 
 struct InputList {
-  std::vector<std::string> files;  // in the form of input_files()
+  std::vector<std::string> files;  // files in the form of input_files()
   std::string identity;            // input_identity()
 };
 

@@ -209,7 +209,7 @@ std::vector<std::string> job_arguments(const JobType& type, const Json& paramete
   arguments.insert(arguments.end(), type.fixed_options.begin(), type.fixed_options.end());
   if (!output.empty()) arguments.push_back("--output=" + output);
   if (!type.input.empty()) {
-    arguments.push_back("--");  // the same for file names
+    arguments.push_back("--");  // prevents file names from being read as options
     arguments.push_back(path_of_text(parameters.at(type.input).get<std::string>()));
   }
   return arguments;

@@ -34,10 +34,10 @@ struct JobView {
   bool takes_roots = false;        // adds --root=FOLDER for each folder that jobs may read
   std::vector<std::pair<std::string, std::string>> maps = {};  // parameters of the job, each with the option that takes
                                                                // its file, if the file still exists
-  std::string first_map_is_for = {};  // why the view needs the first map; empty: it does not
-  std::string folder_ending = {};     // ends the name of the view's folder; different for each view of a type
-  std::size_t kept_max = 0;           // number of newest views that are kept; 0: all
-  std::vector<Shown> shown = {};      // files in the order of a job's page
+  std::string first_map_is_for = {};                           // why the view needs the first map; empty: it does not
+  std::string folder_ending = {};  // ends the name of the view's folder; different for each view of a type
+  std::size_t kept_max = 0;        // number of newest views that are kept; 0: all
+  std::vector<Shown> shown = {};   // files in the order of a job's page
   std::map<std::string, std::string> only_for = {};  // shown only if these parameters have these values, or none
 };
 
@@ -85,8 +85,8 @@ struct JobType {
   const JobView* find_view(const std::string& file) const;
 };
 
-/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Called once,
-/// before any other call of the farm, which has no types of its own.
+/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Call it once,
+/// before any other function of the farm, because the farm itself has no types.
 void register_job_types(std::vector<JobType> types);
 /// The registered types.
 const std::vector<JobType>& job_types();
@@ -103,8 +103,8 @@ std::string shortened(const nlohmann::json& value);
 /// Checks names, types and ranges. Throws Error(kUsage): "parameters.lobes is 9, expected an
 /// integer from 1 to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
-/// Throws Error(kUsage) for an input that the type's row refuses. A command may accept more than its jobs: `multum
-/// bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
+/// Throws Error(kUsage) for an input that the type's row excludes. A command may accept more than its jobs:
+/// `multum bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
 void check_input(const JobType& type, const nlohmann::json& parameters);
 /// Returns the schema (draft 2020-12) of the `parameters` object that check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);
@@ -123,7 +123,7 @@ std::vector<std::string> input_files(const JobType& type, const nlohmann::json& 
 /// Empty: no inputs.
 std::string input_identity(const JobType& type, const nlohmann::json& parameters);
 
-/// Returns the SHA-256 of the type, the parameters without file names, the files' hashes and the version of multum: two
+/// Returns the SHA-256 of the type, the parameters without file names, the files' hashes and the version of multum. Two
 /// jobs with the same key make the same bytes.
 std::string idempotency_key(const JobType& type, const nlohmann::json& parameters,
                             const std::vector<std::string>& file_hashes);

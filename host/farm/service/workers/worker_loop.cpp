@@ -34,7 +34,7 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kBeat = std::chrono::seconds(1);
-constexpr auto kProgressPause = std::chrono::milliseconds(100);  // between two reports of progress
+constexpr auto kProgressPause = std::chrono::milliseconds(100);  // pause between two progress reports
 
 // Makes a job work in its staging folder, through the folder's descriptor, even if the folder is renamed meanwhile.
 class WorkingFolder {

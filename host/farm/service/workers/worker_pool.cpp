@@ -73,7 +73,7 @@ struct WorkerPool::Worker {
   std::deque<std::string> to_send;
   int status = 0;  // exit status, once the process has ended
   bool is_ready = false, is_ended = false;
-  bool is_ending = false;        // it gets no more jobs
+  bool is_ending = false;        // the worker gets no more jobs
   bool is_asked_to_end = false;  // told to end, so the process ends by itself
   std::int64_t job = 0;          // 0: idle
   int attempt = 0;
@@ -108,7 +108,7 @@ void WorkerPool::spawn() {
     worker->heard = Clock::now();
     workers_[worker->owner] = worker;
     read(worker);
-  } catch (...) {  // its end would not be noticed
+  } catch (...) {  // the end of the process would not be noticed
     worker->is_ended = true;
     workers_.erase(worker->owner);
     end_process(*worker);
@@ -194,7 +194,7 @@ void WorkerPool::take_line(Worker& worker, const Json& said) {
     }
     try {
       events_.ended(job, worker.owner, worker.attempt, result);
-    } catch (...) {  // not reported: the job still belongs to this worker
+    } catch (...) {  // does not report the end, because the job still belongs to this worker
       worker.job = job;
       throw;
     }

@@ -42,7 +42,7 @@ struct JobProgress {
 class WorkerPool {
  public:
   struct Events {
-    std::function<void()> ready;  // a worker may be idle
+    std::function<void()> ready;  // called when a worker may be idle
     std::function<void(std::int64_t job, const JobProgress&)> progress;
     std::function<void(std::int64_t job, const std::string& owner, int attempt, const WorkResult& result)> ended;
   };
@@ -61,7 +61,7 @@ class WorkerPool {
   bool order(const std::string& owner, const WorkOrder& work);
   /// Tells a running job to stop; after the grace period its worker is killed. Returns false if no worker has the job.
   bool cancel(std::int64_t job);
-  /// Starts no more workers and ends idle ones. Running jobs continue.
+  /// Starts no more workers and ends idle workers. Running jobs continue.
   void close();
   bool has_running() const;
   std::vector<std::int64_t> running() const;

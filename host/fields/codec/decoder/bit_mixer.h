@@ -28,8 +28,8 @@ inline std::uint32_t probability_of(int log_odds) {
          static_cast<std::uint32_t>(kLogistic[i + 1] - kLogistic[i]) * rest / 64;
 }
 
-/// Returns ln(p / (1 - p)) in 1/256, -2048 to 2047, of a probability p in 1/65536, up to 65535. The result never falls
-/// as p rises.
+/// Returns ln(p / (1 - p)) in 1/256, -2048 to 2047, of a probability p in 1/65536, up to 65535. The result does not
+/// decrease when p rises.
 inline int log_odds(std::uint32_t probability) { return kLogOdds[std::min<std::uint32_t>(probability, 65535) / 16]; }
 
 class BitMixer {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the quantized cosine coefficients of an image's blocks in groups of 4 x 4 blocks. A flag of each group tells
-// whether any of its blocks has values; if so, the blocks follow. Each block has such a flag too, and one flag for each
-// band, the lowest first. A band with values stores the significance, magnitude and sign of each coefficient. Band 0 is
-// the constant. Band k has the frequencies whose larger index is in [2^(k-1), 2^k):
+// Codes the quantized cosine coefficients of an image's blocks in groups of 4 x 4 blocks. Each group has a flag that is
+// set if any of its blocks has values; in that case the blocks follow. Each block has such a flag too, and one flag for
+// each band, the lowest first. A band with values stores the significance, magnitude and sign of each coefficient. Band
+// 0 is the constant. Band k has the frequencies whose larger index is in [2^(k-1), 2^k):
 //
 //      0 1 2 2 3 ...      u
 //      1 1 2 2 3
@@ -22,7 +22,7 @@
 
 namespace multum {
 
-/// The coded blocks around a block. An empty span means only zeros, or a missing block.
+/// The coded blocks around a block. An empty span stands for a block of zeros, or for a missing block.
 struct BlockSurroundings {
   std::span<const std::int16_t> left, up, parent, luma;
   bool has_parent = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the head of a texture chunk. A chunk has the textures of one layer of an object over one block of parameters.
-// The head lists the images, their coder and their quantization steps. Numbers are written as in ByteReader. After the
-// head, the stream of the image coder extends to the chunk's end.
+// Reads the head of a texture chunk. A chunk contains the textures of one layer of an object over one block of
+// parameters. The head lists the images, their coder and their quantization steps. Numbers are written as in
+// ByteReader. After the head, the stream of the image coder extends to the chunk's end.
 //
 //      flags                 1 byte: 1 wavelets, 2 linear over parameters, 4 basis; 2 and 4 not together
 //      width, height         numbers, texels, 1 to 16384

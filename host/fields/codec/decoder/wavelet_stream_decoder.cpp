@@ -18,7 +18,8 @@ void over_coefficients(const WaveletPlane& plane, Visit visit) {
     std::size_t t = 0;
     for (const WaveletPlane::Tree& tree : plane.trees()) {
       const WaveletBand& band = tree.band;
-      if (x - band.x < band.width && y - band.y < band.height) break;  // wraps below the band: beyond every size
+      if (x - band.x < band.width && y - band.y < band.height)
+        break;  // below the band, the unsigned difference wraps and exceeds every size
       ++t;
     }
     const float magnitude =

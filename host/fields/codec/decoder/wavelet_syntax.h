@@ -164,7 +164,7 @@ class WaveletSyntax {
                     bool is_here) {
     const auto& plane = visit.plane;
     const auto& tree = plane.trees()[visit.tree];
-    const auto at = [&](std::size_t nx, std::size_t ny) -> std::size_t {  // wraps below zero: beyond every width
+    const auto at = [&](std::size_t nx, std::size_t ny) -> std::size_t {  // wraps below zero: exceeds every width
       return plane.significant(visit.tree, level, nx, ny) ? 1 : 0;
     };
     const std::size_t row = at(x - 1, y) + at(x + 1, y), column = at(x, y - 1) + at(x, y + 1);

@@ -64,7 +64,7 @@ template <bool kForward>
 void over_lines(std::span<float> image, std::size_t stride, std::size_t width, std::size_t height, bool rows) {
   const std::size_t length = rows ? width : height, count = rows ? height : width, low = (length + 1) / 2;
   if (length < 2) return;
-  // Processes as many columns as fit the first-level cache. The samples of a row are adjacent anyway.
+  // Processes as many columns at once as fit into the first-level cache. The samples of a row are adjacent in any case.
   const std::size_t at_once = rows ? 1 : std::min<std::size_t>(32, count);
   PartedLines parted(length, at_once);
   for (std::size_t first = 0; first < count; first += at_once) {

@@ -37,7 +37,7 @@ class FieldCoder {
  public:
   static constexpr double kLambdaMin = 1e-4, kLambdaMax = 1e9;
 
-  /// All arguments must outlive this object. Throws Error(kUsage) if a single chunk takes more than the allowed memory.
+  /// All arguments must outlive this object. Throws Error(kUsage) if a single chunk needs more than the allowed memory.
   FieldCoder(const FieldSource& source, const std::vector<std::uint8_t>& description,
              const FieldCoderSettings& settings, Progress* progress);
 

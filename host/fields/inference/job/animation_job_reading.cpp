@@ -174,8 +174,8 @@ void read_cameras(const StrictTable& job_table, AnimationJob& job) {
   }
 }
 
-// All renders of a folder must have the same passes: if the first sample's files lack a pass, the job is refused. Other
-// files that differ are refused when they are read.
+// All renders of a folder must have the same passes: if a pass is missing in the first sample's files, the job is an
+// error. Other files with different passes are errors when they are read.
 void check_passes(const StrictTable& job_table, const AnimationJob& job) {
   const AnimationSample& sample = job.samples.front();
   const std::vector<std::string> channels = exr_channel_names(sample.radiance);

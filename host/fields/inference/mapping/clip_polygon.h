@@ -66,8 +66,8 @@ void clip_by(ClipPolygon* polygon, const Distance& distance) {
 
 }  // namespace clip_detail
 
-/// Returns the part of a triangle in front of the near plane and inside `planes` (at most four). Its count is 0 if
-/// nothing is left.
+/// Returns the part of a triangle in front of the near plane and inside `planes` (at most four). The polygon's count is
+/// 0 if no part is left.
 inline ClipPolygon clip_triangle(const std::array<ClipVertex, 3>& triangle, std::span<const ClipPlane> planes) {
   ClipPolygon polygon;
   polygon.count = 3;

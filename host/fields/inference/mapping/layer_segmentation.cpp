@@ -22,7 +22,7 @@ enum class PixelState : std::uint8_t { kValid, kNotFinite, kNegative };
 
 struct GaussKernel {
   int radius;
-  std::vector<double> weights;  // weights by distance along one axis; weights of both axes multiply
+  std::vector<double> weights;  // weights by distance along one axis; the weights of both axes are multiplied
 };
 
 // Makes kernels of sigma, then of doubled sigmas up to sigma_max.

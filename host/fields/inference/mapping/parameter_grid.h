@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Groups the samples of the parameter grid: blocks that share texture coordinates (Hakura et al. 2000, section 3.4),
-// poses that share filter matrices, and points of a layer, each with one texture.
+// Groups the samples of the parameter grid into blocks, poses and points. The samples of a block share texture
+// coordinates (Hakura et al. 2000, section 3.4), the samples of a pose share filter matrices, and the samples of a
+// layer's point share one texture.
 #pragma once
 
 #include <map>

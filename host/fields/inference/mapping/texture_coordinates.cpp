@@ -178,7 +178,7 @@ glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
 
 struct Stretch {
   double largest = 0.0;            // singular value of texels to pixels
-  glm::dvec2 direction{1.0, 0.0};  // its right singular vector, in texels
+  glm::dvec2 direction{1.0, 0.0};  // the right singular vector of `largest`, in texels
   std::size_t degenerate_pixels = 0;
 };
 

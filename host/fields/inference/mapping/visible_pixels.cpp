@@ -65,9 +65,9 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }
 
-// Returns the part of a triangle that a run shows, with a margin of one pixel: neighbouring pixels may have sub-pixels
-// of the object although their centres miss it. The part is clipped to the triangle, so that it stays bounded at a
-// horizon.
+// Returns the part of a triangle that a run shows, with a margin of one pixel, because neighbouring pixels may have
+// sub-pixels of the object although their centres miss the object. The part is clipped to the triangle, so that it
+// stays bounded at a horizon.
 ClipPolygon clip_to_run(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle, const PixelRun& run) {
   const glm::dvec2 size(view.items->width, view.items->height);
   const glm::dvec2 low = glm::dvec2(run.x_begin - 1, run.y - 1) / size,

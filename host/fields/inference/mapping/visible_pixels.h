@@ -21,7 +21,7 @@ namespace multum {
 
 struct VisibleTriangle {
   std::uint32_t triangle;
-  bool is_degenerate;  // no area in the texture or on the screen: no Jacobian
+  bool is_degenerate;  // has no area in the texture or on the screen, so no Jacobian
   // Maps (x, y, 1) in pixels to (q du, q dv, q): texture coordinates from the triangle's first corner, with
   // perspective.
   glm::dmat3 screen_to_uv;

@@ -48,7 +48,7 @@ struct TextureResult {
   std::vector<double> squared_errors;  // mean of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
   std::vector<double> forward_squared_errors;  // errors of forward mapping; empty if not requested
-  std::vector<bool> is_held_out;               // not used for solving
+  std::vector<bool> is_held_out;               // whether each sample is left out of solving
   std::string file;                            // relative to the output folder; empty: the layer is black
   bool was_there = false;
   bool converged = true;
@@ -78,14 +78,14 @@ struct AnimationInferResult {
   InferredManifest manifest;
   std::vector<TextureResult> textures;
   std::vector<std::string> blocks;  // names of the grid's blocks
-  ObjectMappings mappings;          // mapping of each object in each block
+  ObjectMappings mappings;          // texture mapping of each object in each block
   SegmentationReport segmentation;  // sum over all pictures
   StageSeconds seconds;
   std::string renderer, device;
   std::uint64_t rows = 0, rows_rejected = 0;
   int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
   int nan_depths = 0;
-  // The terms of the sums above. Several shares of the work may have some terms in common.
+  // The terms that are added up above. Several shares of the work may have some terms in common.
   std::vector<PointReport> points;
   std::vector<MatrixRows> matrices;
 };

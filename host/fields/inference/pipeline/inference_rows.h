@@ -15,8 +15,8 @@ namespace multum {
 /// below `coverage_min`.
 std::vector<float> row_weights(const FilterMatrix& matrix, const ObjectLayer& layer, double coverage_min);
 
-/// Returns whether both the ray-traced picture and OpenGL cover the row's pixel wholly. In a mixed pixel, an object's
-/// colour is only an estimate of the segmentation.
+/// Returns whether both the ray-traced picture and OpenGL cover the row's pixel wholly. In a mixed pixel, the object's
+/// colour is only estimated by the segmentation.
 bool is_whole_row(const FilterMatrix& matrix, std::size_t row, const ObjectLayer& layer);
 
 /// Appends the row's pixels, three values each, in units of `radiance_max`.

@@ -51,7 +51,7 @@ class ParameterizedScene {
   std::vector<ObjectLayer> segment(int sample, const AnimationLayer& layer, int threads,
                                    SegmentationReport* report) const;
 
-  /// Returns the number of NaN depths in the pictures that cameras were checked with.
+  /// Returns the number of NaN depths in the pictures that were used to check cameras.
   int nan_depths() const { return nan_depths_; }
 
  private:

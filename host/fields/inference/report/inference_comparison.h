@@ -24,9 +24,9 @@ struct InferenceComparison {
   std::vector<ComparisonRow> rows;
 };
 
-/// Compares with one sample per pixel, as hardware draws without antialiasing, and with the job's supersampling. The
-/// latter leaves out anisotropic filtering, whose footprints take many draws to measure. Measures the required matrices
-/// in OUTPUT/comparison.
+/// Compares with one sample per pixel, as hardware draws without antialiasing, and with the job's supersampling. With
+/// supersampling, anisotropic filtering is left out, because its footprints take many draws to measure. Measures the
+/// required matrices in OUTPUT/comparison.
 InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 

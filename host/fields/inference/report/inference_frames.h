@@ -42,7 +42,7 @@ struct InferenceFrames {
   double seconds = 0.0;  // seconds for drawing, reading and comparing
 };
 
-/// The mean over the pixels of all frames; count 0: none.
+/// The mean over the pixels of all frames; count 0 if there are no pixels.
 struct FrameMean {
   double squared_error = 0.0, pixel_count = 0.0;
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000: each object ray-traced,
-// drawn with its inferred textures, and the error times 20; the same pictures of the whole frame; and the textures.
-// Departure: the paper's errors are inverted, with white for no error. Here black means no error, because the error has
-// a colour.
+// Draws the pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000. For each object, and for
+// the whole frame, they show the ray-traced picture, the picture drawn with inferred textures, and the error times 20.
+// The textures are also shown. Departure: the paper's errors are inverted, with white for no error. Here black means no
+// error, because the error has a colour.
 #pragma once
 
 #include <string>
@@ -43,7 +43,8 @@ struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Returns a box around the wholly covered pixels, with a margin, inside the picture; width 0: there are none.
+/// Returns a box around the wholly covered pixels, with a margin, inside the picture; width 0 if there are no such
+/// pixels.
 PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 
 /// Converts linear values of 0..1, three per pixel, to sRGB.
