@@ -14,7 +14,7 @@ uniform sampler2DArray u_harmonics;
 uniform sampler2D u_colours;
 #endif
 #ifdef MULTUM_ROUGHNESS
-uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // coefficients of max(n . l, 0), without the mean roughness
+uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // coefficients of max(n . l, 0), divided by the mean roughness
 #endif
 #ifdef MULTUM_BASIS
 uniform sampler2D u_weights;

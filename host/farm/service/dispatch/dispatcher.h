@@ -60,7 +60,7 @@ class Dispatcher {
   const WorkerPool& workers() const { return pool_; }
   /// Null: no jobs are sent to Slurm.
   SlurmPool* slurm() const { return slurm_.get(); }
-  bool uses_slurm(const std::string& queue) const;  // returns whether Slurm runs at least one type of the queue's jobs
+  bool uses_slurm(const std::string& queue) const;  // whether Slurm runs at least one of its job types
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
   /// Returns whether any job runs on this machine; false: Slurm runs all jobs.
   bool bakes_here() const;
