@@ -117,9 +117,10 @@ second.
 
 ## The first three limits
 
-1. **`sbatch`**: the service calls `sbatch` once per task, and one call follows another: {1 / last['sbatch_s']:.0f}
-   tasks per second. With `chunk_s = 30` and {nodes} nodes, `sbatch` takes {percent(runs[2]['sbatch_share'])} of the
-   service's time. With `chunk_s = 300`, it takes {percent(last['sbatch_share'])}.
+1. **`sbatch`**: the service calls `sbatch` once per task, one call after another, which limits it to
+   {1 / last['sbatch_s']:.0f} tasks per second. With `chunk_s = 30` and {nodes} nodes, `sbatch` takes
+   {percent(runs[2]['sbatch_share'])} of the service's time. With `chunk_s = 300`, `sbatch` takes
+   {percent(last['sbatch_share'])}.
 2. **Scans of the shared folder** run on the thread that also calls `sbatch`. A scan that asks for three files of each
    part on Slurm takes up to {looks(1)} s with `jobs = 10000` and up to {looks(3)} s with `jobs = 30000`. The service
    instead lists each task's folder and opens only existing files. For the same two settings, such scans take up to

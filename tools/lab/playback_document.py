@@ -306,7 +306,7 @@ def field_words(row):
     return (f"The field has {math.prod(row['counts'])} samples ({counts}) of {row['width']} x {row['height']} pixels. "
             f"Its "
             "objects are "
-            f"{', '.join(row['objects'])}. The raw 24-bit frames have {row['raw_bytes']:,} bytes.")
+            f"{', '.join(row['objects'])}. The raw 24-bit frames need {row['raw_bytes']:,} bytes.")
 
 
 def curves_of(rows, name, codec_names):
@@ -359,9 +359,8 @@ def curves_section(rows, name, video_codecs, stated, pictures):
                                 key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))
               if "refused" not in row]
     return [f"![MSE over compression](images/{file.name})", at_stated,
-            f"Brackets contain the ratio to {spoken(video_codecs.LEADING)}. \"-\" means that the curve does not reach "
-            f"this "
-            "compression. " + said,
+            f"Brackets contain the MSE divided by the MSE of {spoken(video_codecs.LEADING)}. \"-\" means that the "
+            "curve does not reach this compression. " + said,
             "<details><summary>All points of the curves</summary>\n\n" +
             table(["encoder", "bytes", "compression", "MSE", "MSE against inferred textures"], points) +
             "\n\n</details>"]
@@ -482,8 +481,8 @@ def document(rows, names, video_codecs, stated, machine, pictures):
              "- Codecs: AV1 is `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
              "quality, BT.709 4:4:4, 10 bit and full range. AVIF codes each frame separately, with `-usage allintra`. "
              "The column *bytes* lists the size of the stream without a container.\n"
-             "- Access: with a key frame every 64 frames, a random sample needs up to 64 decoded frames. A chunk of "
-             "`multum pack` can be decoded independently of other chunks.\n"
+             "- Access: with a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A chunk "
+             "of `multum pack` can be decoded independently of other chunks.\n"
              "- Values between measured points are interpolated linearly in the logarithms of compression and MSE."]
     for name in names:
         row = rows.find(name, "field", "inferred")
@@ -493,9 +492,8 @@ def document(rows, names, video_codecs, stated, machine, pictures):
         parts += [f"## {name}", f"{field_words(row)} Measured at {commits}.",
                   f"Every packed file also needs the geometry, which is not included in the compression ratio: "
                   f"`{row['geometry']}`, "
-                  f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn from "
-                  f"the "
-                  f"inferred textures, without packing, have an MSE of {row['own']:.1f}.",
+                  f"{row['geometry_bytes']:,} bytes, or {row['geometry_deflated_bytes']:,} bytes after deflation. "
+                  f"Frames drawn from the inferred textures, without packing, have an MSE of {row['own']:.1f}.",
                   *curves_section(rows, name, video_codecs, stated, pictures), *coder_section(rows, name, main),
                   *inference_section(rows, name, stated), *costs_section(rows, name, main),
                   *dimensions_section(rows, name, video_codecs.LEADING),

@@ -99,8 +99,9 @@ class FieldStudy:
 def compression(study, field):
     study.heading("Figure 10: a scene under a swinging light, 384:1 and 768:1")
     study.paragraph("Error and compression are defined as in the paper: MSE in 8-bit values over all samples of the",
-                    "field, with one block of 8 x 8. The size of textures includes everything that a player needs, "
-                    "except for the scene file. The figures in the paper show another scene, with 640 x 480 pixels.")
+                    "field, with one block of 8 x 8 samples. The size of textures includes everything that a player "
+                    "needs, except for the scene file. The figures in the paper show another scene, with 640 x 480 "
+                    "pixels.")
     rows = []
     for ratio in TARGETS:
         results = {VIEWS: field.video(ratio)} if shutil.which("ffmpeg") else {}

@@ -158,7 +158,8 @@ def environment_light(study):
     """Figure 9: a mesh in low-frequency light, and in the full environment."""
     study.heading("Figure 9: a mesh under an environment")
     study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the "
-                    "light over half vectors, up to order 8 (Han, section 8). These harmonics are accurate only for "
+                    "light as a function of the half vector, up to order 8 (Han, section 8). These harmonics are "
+                    "accurate only for "
                     "broad highlights. The second column uses maps that are filtered for lobes of every width. "
                     "Filtered maps are accurate for sharp highlights too.")
     light = study.path("sky.exr")
@@ -188,10 +189,10 @@ def changing_light(study):
     study.heading("Section 8: an environment that changes at run time")
     frames = 5
     study.paragraph("A sky turns by 90 degrees and fades into dusk. Harmonics up to order 2 and filtered maps are "
-                    "linear in the light. In each frame, they are therefore mixed from the values for both skies. The "
-                    "column *new environment* lists the time for a completely new environment. Harmonics up to order "
-                    "8 of the",
-                    "light over half vectors (Han's highlights) are recomputed in every frame.")
+                    "linear in the light. In each frame, multum therefore mixes their values for the two skies. The "
+                    "column *new environment* lists the time for a completely new environment. Han's highlights "
+                    "use harmonics of the light as a function of the half vector, up to order 8. These harmonics are "
+                    "recomputed in every frame.")
     light, dusk = study.path("sky512.exr"), study.path("dusk512.exr")
     write_sky(light, 512)
     sky = read_picture(light)
@@ -270,7 +271,8 @@ def lobe_counts(study):
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
     reference = density_of_normals(block, directions)
     study.heading("Figure 7: the normals of one texel, as one to six lobes and as planar Gaussians")
-    study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals reach 72 degrees. Near the "
+    study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals are tilted by up to 72 "
+                    "degrees. Near the "
                     "rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The error compares the "
                     "densities in the pictures, integrated over solid angle.")
     shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []

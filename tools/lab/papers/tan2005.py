@@ -87,7 +87,7 @@ def zoom(study):
     study.paragraph("In the paper, the error of Toksvig is 2.75 times the error of the paper's method. Here, the",
                     f"factor is {theirs / ours:.2f}. Against the reference with the same filter, the factor is",
                     f"{own['Toksvig'] / own[OURS]:.2f}.")
-    study.paragraph(f"16 samples per pixel differ from {study.samples} samples by",
+    study.paragraph(f"A reference with 16 samples per pixel differs from a reference with {study.samples} samples by",
                     f"{mean(colour_distance, few, references):.3f} in colour error and by",
                     f"{percent(mean(relative_l1, few, references))} in relative L1. The reference with the same "
                     f"filter averages over the texels that the filter reads. Errors against this reference come only "
@@ -138,8 +138,9 @@ def fournier(study):
                             [("relative L1", percent(relative_l1(picture, reference))),
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
-    study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The error of this "
-                    "row is the error of the Gaussians; the other rows include the error of their filters. The "
+    study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The row with 8 x 8 "
+                    "lookups therefore lists the error of the Gaussians alone. The other rows include the errors of "
+                    "their filters. The "
                     "picture of the",
                     "elongated filter differs from the picture of the round filter by",
                     f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
@@ -175,9 +176,9 @@ def armour(study):
     study.paragraph("In the paper, the error of a fixed BRDF is 3.0 times the error of the paper's method. Here, the",
                     f"factor is {factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}.",
                     "Against the reference with the same filter, the factor is",
-                    f"{factor(own)}. Normals of hemispherical scales fill "
-                    f"the hemisphere, for which four lobes are few. The normals of the armour in the paper possibly "
-                    f"do not fill the hemisphere.")
+                    f"{factor(own)}. Normals of hemispherical scales fill the whole hemisphere, which four lobes "
+                    "cannot represent well. The normals of the armour in the paper possibly "
+                    "do not fill the hemisphere.")
 
 
 def reproduce(study):

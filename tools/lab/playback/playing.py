@@ -319,7 +319,7 @@ def browser_section(row, found, table):
         f"one "
         f"sub-pixel per pixel takes {profile['wholeMs']:.1f} ms: {profile['withoutObjectsMs']:.1f} ms for a picture "
         f"without objects (mean and sRGB), {profile['smallMs']:.1f} ms for a picture with 16 x 12 pixels (triangle "
-        f"vertices), and the rest for two lookups in half-float textures per pixel. While the view moves on a slow "
+        f"vertices), and the rest for two lookups per pixel in half-float textures. While the view moves on a slow "
         f"device, the page reads one mip level. At rest, the page reads two mip levels, and a picture takes "
         f"{profile['twoLevelsMs']:.1f} ms.",
         "While frames take less than 45 ms, the page increases the number of sub-pixels. The page therefore shows "

@@ -208,8 +208,8 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
     colours += "\n";
   }
   return fmt::format(
-             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Times cover one fit, "
-             "including its start, on {} cores: the shortest of {} fits. One fit per row compiled the kernels before "
+             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
+             "of {} fits on {} cores, and includes the start of the fit. One fit per row compiled the kernels before "
              "the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
              core_count(), kTimedRounds) +
          summary +
@@ -263,10 +263,12 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
              "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser "
              "levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean "
              "vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the "
-             "results are mixed. *Midway* is the higher of the errors midway in x and in y. The table lists the error "
-             "after this mixing. Renderers also narrow the normal map's lobe to the part that a pixel sees "
-             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes are in "
-             "MB, in the file and on the GPU. BC5 normals and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
+             "results are mixed. *Midway* lists the higher of two errors: midway between texels in x, and midway in y. "
+             "The table lists errors of the mixed results. Renderers also narrow the normal map's lobe to the part "
+             "that a pixel sees "
+             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes of the "
+             "file and of the GPU textures are in MB. BC5 normals and BC4 roughness of this map take {:.1f} MB on the "
+             "GPU.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
          "file, MB | GPU, MB | GPU size / (BC5 + BC4) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
@@ -382,9 +384,9 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
       "bits, and moments as "
       "floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
       "### By channels\n\nThe table lists medians over all maps and their levels from 1 on. Brackets contain the first "
-      "and third quartile. Each combination of map and level counts once. A lobe needs four channels. An averaged "
-      "normal needs three channels, also for Toksvig, because the length of the normal shows how much the normals "
-      "vary. LEAN needs five channels.\n\n" +
+      "and third quartile. Each combination of map and level counts once. A lobe needs four channels, and LEAN needs "
+      "five channels. Averaged normals and Toksvig need three channels, because the length of an averaged normal shows "
+      "how much the normals vary.\n\n" +
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
@@ -438,8 +440,9 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   std::string text =
       std::string(
           "The rows are the settings that `multum tradeoff` measures. Each BRDF column lists the pixel error (relative "
-          "L1 error in %) and half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured "
-          "error\"). Pixels use the default filter of that commit: ") +
+          "L1 error in %) and half of the width of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), "
+          "\"Measured "
+          "error\"). Pixels are drawn with the default filter of that commit: ") +
       default_filter_text() +
       ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The "
       "settings ran alternately, and all kernels were compiled before the timed runs.\n" +

@@ -206,17 +206,18 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**At equal evaluations** of light per pixel, each evaluation uses {} taps (`multum-view --evaluations`). Lobes "
-      "follow multum's rule, and other methods are shaded at as many points per pixel. The table lists errors in %, "
+      "**With an equal number of evaluations** of light per pixel, each evaluation uses {} taps (`multum-view "
+      "--evaluations`). For lobes, multum's rule divides the evaluations between lobes and points. Other methods are "
+      "shaded at as many points per pixel as there are evaluations. The table lists errors in %, "
       "for each "
       "method at its best bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
-  text += "\nThe next table lists the flicker in % at equal evaluations:\n\n";
+  text += "\nThe next table lists the flicker in %, with an equal number of evaluations:\n\n";
   text += table_of(with_budget(figures_of(result, "motions", "flicker"), true), moving, percent_text);
   text +=
-      "\nThe next table lists the processor time per frame at equal evaluations, divided by the time of the same "
-      "method with one tap at bias 0:\n\n";
+      "\nThe next table lists the processor time per frame with an equal number of evaluations, divided by the time of "
+      "the same method with one tap at bias 0:\n\n";
   text += table_of(with_budget(time_ratios(result), true), methods,
                    [](double ratio) { return fmt::format("{:.2f}", ratio); });
   return text + "\n";
@@ -234,8 +235,8 @@ ResultView view_filters(const Json& result) {
   tables += "\nThe next table lists, for each method, the lowest error in % and the bias that gives this error:\n\n";
   tables += best_bias_table(errors, methods);
   tables +=
-      "\nThe next table lists the flicker in %: the mean of a zoom, a pan and a turn, as medians over every fourth "
-      "map:\n\n";
+      "\nThe next table lists the flicker in %, averaged over a zoom, a pan and a turn. The values are medians over "
+      "every fourth map:\n\n";
   tables += table_of(flicker, moving, percent_text);
   tables += "\nThe next table lists the flicker of 4 lobes in %, for each motion:\n\n" + motion_table(result);
   tables +=
@@ -249,17 +250,18 @@ ResultView view_filters(const Json& result) {
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
-      fmt::format("The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s "
-                  "= 100). The {} "
-                  "maps are {}. Flicker is measured on pictures of half the size. Every method uses the same filter "
-                  "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest map and a "
-                  "box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
-                  "{}. *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
-                  "f' and "
-                  "their references t, t'. LEAN is drawn with its Jacobian.",
-                  result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(),
-                  map_names(result), sample_range(result), worst_noise(result, "noise"),
-                  worst_noise(result, "noise_blended")),
+      fmt::format(
+          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s "
+          "= 100). The {} "
+          "maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the same "
+          "filter "
+          "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest level, averaged "
+          "with a box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
+          "{}. *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
+          "f' and "
+          "their references t, t'. LEAN is drawn with its Jacobian.",
+          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
+          sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};
 }
 

@@ -55,7 +55,7 @@ std::string devices_text(const Json& result) {
   for (const char* kind : {"opencl", "egl"})
     for (const Json& driver : result.at("drivers").at(kind)) {
       const std::string named = file_name(driver.at("named_by"));
-      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "no file; on_gpu named it" : named});
+      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "none; named by on_gpu" : named});
     }
   text += drivers.text() + "\n";
   for (const Json* step : steps_named(result, "GL contexts")) {
@@ -174,8 +174,8 @@ std::string kernels_text(const Json& result) {
     }
     table.add({"all", "", rounded_text(sum)});
     text += fmt::format(
-        "### Kernels of the bake of {0} x {0}, {1}\n\nThe device's clock measured the times. This bake also measured "
-        "errors.\n\n{2}\n",
+        "### Kernels of the bake of {0} x {0}, {1}\n\nThe times were measured with the device's timer. This bake also "
+        "measured errors.\n\n{2}\n",
         (*step)["result"].at("size").get<int>(), bake.at("device").get<std::string>(), table.text());
   }
   return text;
@@ -212,7 +212,7 @@ std::string summary_text(const Json& result) {
     const auto seconds = [](const Json& bake) { return bake.at("bake").at("process").at("wall_s").get<double>(); };
     text += fmt::format(
         "- A whole bake of {0} x {0} texels, from file to file, takes {1} s with the GPU and {2} s on the processor. "
-        "In both cases, the processor reads, rounds, compresses and writes.\n",
+        "In both cases, reading, rounding, compression and writing run on the processor.\n",
         gpu.at("size").get<int>(), rounded_text(seconds(gpu)), rounded_text(seconds(cpu)));
   }
   for (const Json* step : steps_named(result, "frames"))
