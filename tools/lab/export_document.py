@@ -216,7 +216,7 @@ Zstandard does not reduce GPU memory.
 |---|---|---|---|---|---|
 """
 
-# Name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
+# Each row: name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))

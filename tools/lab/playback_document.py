@@ -30,7 +30,7 @@ PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder",
          "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
 RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
 GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
-# Name, options of `multum pack`, colour and dash of the curve.
+# Each row: name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
 # Options that switch off one part of the encoder each. Names are keys of rows.

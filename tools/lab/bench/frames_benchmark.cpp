@@ -37,7 +37,7 @@ gl::RenderScene plane_scene() {
   gl::RenderScene scene;
   scene.uv_scale = kRepeats;
   scene.brdf.exponent = 100.0f;
-  scene.filter.is_drivers = true;  // the benchmark times the driver's anisotropy
+  scene.filter.is_drivers = true;  // the benchmark measures the driver's anisotropic filter
   return scene;
 }
 
@@ -63,7 +63,7 @@ std::unique_ptr<gl::Material> read_harmonics(const gl::GlFunctions& functions, c
   return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(file), anisotropy);
 }
 
-// A method to draw, and its times.
+// A method that is drawn, and its frame times.
 struct Subject {
   std::string name;
   float anisotropy;
@@ -125,7 +125,7 @@ void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmar
   const gl::Mesh mesh(functions, horizon_plane(kRepeats));
   gl::Renderer renderer(functions, options.width, options.height);
   const gl::RenderScene scene = plane_scene();
-  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first compiles, and does not count
+  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first turn compiles shaders and does not count
     double first = 0.0;
     for (Subject& subject : subjects) {
       const gl::Picture picture = renderer.draw(mesh, *subject.material, scene);

@@ -25,7 +25,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr StorageEncoding kEncodings[] = {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat};
-// Every compression of a file. For zip: the fastest level, the default level of OpenEXR 3.1, and the highest.
+// Every compression of a file. For zip, the list contains the fastest level, the default level of OpenEXR 3.1, and the
+// highest level.
 constexpr const char* kCompressions[] = {"none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz"};
 
 double seconds_of(const std::function<void()>& body) {
@@ -45,9 +46,8 @@ struct Workplace {
   int threads;
 };
 
-// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows; with 0 threads, calls
-// do
-// the work themselves.
+// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows. With 0 threads, the
+// calling thread does the work itself.
 MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& times) {
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
   MovmfMipmap mipmap;
@@ -97,7 +97,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
   const ScratchFolder folder(options.folder);
   const MovmfMipmap baked = bake_as_floats(options, folder, progress);
   const Workplace at{*context, folder / "rounded.ndf.exr", threads};
-  FileTimes cold;  // the first file pays for starting threads and for new memory
+  FileTimes cold;  // times of the first file, which include starting threads and allocating memory
   measure_once(at, baked, kCompressions[0], cold);
   Json files = Json::array();
   ContentHash all;
@@ -106,7 +106,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
     mipmap.header.encoding = encoding;
     quantize_movmf(mipmap, threads);
     std::vector<FileTimes> times(std::size(kCompressions));
-    for (int i = 0; i < options.repetitions; ++i)  // in turns
+    for (int i = 0; i < options.repetitions; ++i)  // compressions alternate
       for (std::size_t c = 0; c < times.size(); ++c) {
         const std::string hash = measure_once(at, mipmap, kCompressions[c], times[c]);
         if (i == 0) all.update(hash);

@@ -13,7 +13,7 @@ from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
 PLAIN = ("mip", "toksvig", "lean-jacobian")
-# Shaded at as many points per pixel as lobes take evaluations.
+# These methods are shaded at as many points per pixel as lobes need evaluations.
 POINTS = ("points", "toksvig-points", "lean-jacobian-points")
 BASELINES = (REFERENCE, *PLAIN, *POINTS)
 LABELS = {REFERENCE: "reference", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",

@@ -17,7 +17,7 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
                    ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")),
                    ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
                    ("sh, order 4", "sh4", ("--ndf", "sh")), ("moments", "moments", ("--ndf", "moments")))
-# The last two are shaded at as many points per pixel as four lobes take evaluations.
+# The last two methods are shaded at as many points per pixel as four lobes need evaluations.
 BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
 MATERIAL_RUNS = 5  # of each material

@@ -22,7 +22,7 @@ DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0
 OURS = "planar Gaussians, 4 (their method)"
 BASELINES = (("Toksvig", "toksvig"), ("LEAN, slopes as published", "lean"),
              ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
-             # Shaded at as many points per pixel as four lobes take evaluations.
+             # These methods are shaded at as many points per pixel as four lobes need evaluations.
              ("Toksvig, 4 points", "toksvig-points"), ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"),
              ("averaged normals, 4 points", "points"))
 

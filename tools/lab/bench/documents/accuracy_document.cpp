@@ -47,12 +47,12 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  // The worse of x and y.
+  // Returns the higher of two errors: midway in x, and midway in y.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
     return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
   }
-  // "10.3 / 6.8 / 6.6" at levels 3, 5, 7.
+  // Returns the errors of levels 3, 5 and 7, such as "10.3 / 6.8 / 6.6".
   std::string three_levels(AccuracyPoint point, const std::string& brdf) const {
     std::string text;
     for (int level : {3, 5, 7}) {
@@ -127,7 +127,7 @@ std::string level_table(const Errors& errors, int level_count) {
   return text;
 }
 
-// One line of the summary: levels 3 / 5 / 7.
+// Returns one line of the summary, with levels 3 / 5 / 7.
 std::string summary_line(const std::string& name, const Errors& errors) {
   std::string text = "| " + name + " |";
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
@@ -223,7 +223,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
          colours + tables;
 }
 
-// Size of the file, which is written next to the document and then removed.
+// Returns the size of the file, which is written next to the document and then removed.
 std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptions& options) {
   const std::string path = options.output + ".first_level.ndf.exr";
   BakedWriteOptions writing;
@@ -275,23 +275,23 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
          rows;
 }
 
-// "ours / best baseline" of every level; bold where ours is worse by more than 0.05 points.
+// Table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher by
+// more than 0.05 points.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 does not count: its texels are single
-// normals,
-// and methods that keep them are exact.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out: its texels are single normals,
+// so methods that store them have no error.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
-// A row of the table by channels. Methods with the same number of channels are next to each other.
+// A row of the table by number of channels. Methods with the same number of channels are next to each other.
 struct Rival {
   const char* name;   // key of MapErrors
-  const char* title;  // in the table
-  int channels;       // per texel
+  const char* title;  // name in the table
+  int channels;       // number of channels per texel
 };
 constexpr Rival kRivals[] = {{"mip", "averaged normals", 3},
                              {"Toksvig", "Toksvig", 3},
@@ -324,7 +324,7 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
   try {
     map = read_normal_map(path, {}, options.threads, nullptr);
   } catch (const Error&) {
-    return;  // not a normal map: `multum bake` refuses it too
+    return;  // the file is not a normal map, and `multum bake` rejects it too
   }
   if (map.report.encoding.find("height field") != std::string::npos) return;
   std::printf("%s\n", name.c_str());
@@ -400,7 +400,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
-// One row per setting and one error per BRDF.
+// Makes a table with one row per setting and one error per BRDF.
 std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
                        "elapsed, ms", "GPU, MB"});
@@ -456,7 +456,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   return text;
 }
 
-// Sections of an existing document, by their headings of second order; the text before the first heading has key "".
+// Returns the sections of an existing document by their second-level headings. The text before the first heading has
+// the key "".
 std::map<std::string, std::string> sections_of(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);

@@ -34,10 +34,10 @@ struct Held {
   }
 };
 
-// Adds the intervals of one BRDF, shaded in one way.
+// Adds the intervals of one BRDF for one way of shading.
 void add_brdf(const AccuracyMeter& meter, std::size_t brdf, Held& held) {
   const double whole = meter.footprint_errors()[brdf].error;
-  if (!(whole > 0.0)) return;  // a flat map's
+  if (!(whole > 0.0)) return;  // a flat map has no error
   const auto count = static_cast<double>(meter.replicate_errors().size());
   for (const std::vector<FootprintError>& replicate : meter.replicate_errors()) {
     const FootprintError& one = replicate[brdf];
@@ -80,7 +80,7 @@ class Coverage {
       mosaic = make_mosaic(source, {options_.side, options_.side / 4, 1});
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kInput) throw;
-      return;  // not a normal map
+      return;  // the file is not a normal map
     }
     Held of_map;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
@@ -146,7 +146,7 @@ int write_coverage_document(const CoverageDocumentOptions& options) {
   for (const std::string& path : paths) {
     if (options.map_count > 0 && count == options.map_count) break;
     const std::string stem = std::filesystem::path(path).stem().string();
-    // Normal maps by the naming of games and engines; other files are colours, heights and gloss.
+    // Games and engines give these names to normal maps. Other files contain colours, heights and gloss.
     const bool is_named = stem.starts_with("pm_") || stem.ends_with("flakes5n") || stem.ends_with("_n") ||
                           stem.ends_with("normal") || stem.ends_with("_nm") || stem.ends_with("_norm");
     if (!is_named) continue;

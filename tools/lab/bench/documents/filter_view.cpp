@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
+// Writes the text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct FilterKey {
   int taps;
   double bias;
   bool shades_taps;
-  int evaluations = 0;  // 0: by taps
+  int evaluations = 0;  // evaluations of light per pixel; 0 if the taps decide
 
   auto operator<=>(const FilterKey&) const = default;
 };
@@ -52,13 +52,13 @@ Figures figures_of(const Json& result, const char* list, const char* field) {
   return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
 }
 
-// Keeps filters with a budget of evaluations, or filters without.
+// Keeps either the filters with a budget of evaluations or the filters without a budget.
 Figures with_budget(Figures figures, bool has_budget) {
   std::erase_if(figures, [&](const auto& entry) { return (entry.first.evaluations > 0) != has_budget; });
   return figures;
 }
 
-// Methods in the order of their measurement.
+// Returns the methods in the order in which they were measured.
 std::vector<std::string> methods_of(const Json& result, const char* list) {
   std::vector<std::string> methods;
   for (const Json& row : result.at("maps").at(0).at(list))
@@ -79,7 +79,8 @@ std::vector<std::string> head_of(std::vector<std::string> first, const std::vect
 
 std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
 
-// Filters by number of taps, then from the plain level to the sharpest; filters that shade each tap come last.
+// Returns filters by number of taps, then from the plain level to the sharpest level. Filters that shade each tap come
+// last.
 std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
@@ -110,7 +111,7 @@ std::string table_of(const Figures& figures, const std::vector<std::string>& met
   return table.text();
 }
 
-// Errors of each method at its best bias.
+// Makes a table of the errors of each method at its best bias.
 std::string best_bias_table(const Figures& figures, const std::vector<std::string>& methods) {
   MarkdownTable table(head_of({taps_head(figures)}, methods));
   std::vector<FilterKey> keys = keys_of(figures);
@@ -131,7 +132,7 @@ std::string best_bias_table(const Figures& figures, const std::vector<std::strin
   return table.text();
 }
 
-// Flicker of four lobes, for each motion.
+// Makes a table of the flicker of four lobes, for each motion.
 std::string motion_table(const Json& result) {
   Figures figures;
   std::vector<std::string> motions;
@@ -145,7 +146,7 @@ std::string motion_table(const Json& result) {
   return table_of(figures, motions, percent_text);
 }
 
-// Frame times, divided by the time of the same method with one tap at level bias 0 in the same run.
+// Returns frame times, divided by the time of the same method with one tap at level bias 0 in the same run.
 Figures time_ratios(const Json& result) {
   Figures figures;
   for (const Json& map : result.at("maps")) {
@@ -183,7 +184,8 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Compares, for four lobes, the default with half as many taps that are each shaded, in about the same time.
+// Compares the default filter with half as many taps that are each shaded, for four lobes. Both filters take about the
+// same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
@@ -200,7 +202,7 @@ std::string default_text(const Json& result, const Figures& errors) {
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
-// Compares all methods at as many points per pixel as lobes take evaluations.
+// Compares all methods with an equal number of evaluations: one per lobe, or one per point.
 std::string evaluations_text(const Json& result, const std::vector<std::string>& methods,
                              const std::vector<std::string>& moving) {
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);

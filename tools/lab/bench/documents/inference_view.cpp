@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of a result of `multum-bench infer`.
+// Writes the text of a result of `multum-bench infer`.
 #include <fmt/format.h>
 
 #include "host/fields/inference/solver/texture_inference.h"

@@ -31,7 +31,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// The name of a file without its folder, which depends on the machine.
+// Returns the name of a file without its folder, because the folder depends on the machine.
 std::string file_name(const Json& path) {
   return path.get<std::string>().substr(path.get<std::string>().rfind('/') + 1);
 }
@@ -120,7 +120,7 @@ std::string first_bake_text(const Json& result) {
   return text;
 }
 
-// Steps of whole bakes, on every device that ran them.
+// Describes the steps of whole bakes, on every device that ran them.
 std::string bakes_text(const Json& result) {
   MarkdownTable table({"map", "device", "read, s", "start search, s", "binning, s", "levels, s", "write, s",
                        "whole process, s", "processor time, s", "device memory, MiB",
@@ -191,7 +191,7 @@ std::string bench_text(const Json& result, const std::string& beginning) {
   return text;
 }
 
-// The most important figures.
+// Lists the most important figures.
 std::string summary_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> em = steps_named(result, "em "), bakes = steps_named(result, "bake ");
