@@ -47,7 +47,8 @@ def errors_by_level(bake, brdf, points):
 
 
 def fit_parts(bake):
-    """Divides the seconds of the fit into (name, seconds): its levels, then the rest. They add up to the stage."""
+    """Divides the time of the fit into rows (name, seconds): the levels, then the rest. Their sum is the whole
+    stage."""
     parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
     if "start" in bake:
         parts.append(("start", bake["start"]["seconds"]))
@@ -100,7 +101,7 @@ of the fit.</p>
 
 
 def picture(folder, name, method, caption, kind, size=""):
-    """`size`: attributes that reserve the space of a picture before it is loaded."""
+    """`size` contains attributes that reserve the space of a picture before it is loaded."""
     file = f"{name}_{method}{kind}.png"
     if not (folder / file).is_file():
         return ""

@@ -251,8 +251,8 @@ def stored(report):
 
 
 def storage(multum, path, roughness, cells, folder):
-    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so one roughness has
-    them."""
+    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so they are measured at
+    one roughness."""
     ways = {texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}
     ways["exr"] = ["--format", "exr"]
     if roughness == STORED_ROUGHNESS:
@@ -329,7 +329,7 @@ def measure(arguments, state):
 
 
 def values_of(rows, part, rule, what, roughness=None, level=None, light=None):
-    """Lists values of all maps at that roughness and level. `what` is "error" or "energy"."""
+    """Lists the values of all maps at one roughness and level. `what` is "error" or "energy"."""
     found = []
     for row in rows:
         if roughness is not None and row["roughness"] != roughness:
@@ -388,7 +388,7 @@ def ratios_where_wrong(rows, kind, roughnesses):
 
 
 def ratio_tables(rows):
-    """Makes tables with the median and the 90 % quantile of ratios of errors, and with medians of energy."""
+    """Makes tables with the median and the 90 % quantile of error ratios, and with energy medians."""
     rough = [r for r in ROUGHNESSES if r >= 0.25]
     found = []
     for kind in ("isotropic", "anisotropic"):

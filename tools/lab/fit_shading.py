@@ -22,7 +22,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
 def bessel_i0_scaled(x):
-    """exp(-x) I_0(x): numpy's I_0 for x below 50, the asymptotic series above (relative error 2e-9 at 50)."""
+    """Returns exp(-x) I_0(x): by numpy for x below 50, by the asymptotic series above 50 (relative error 2e-9)."""
     low = np.minimum(x, 50.0)
     y = 1.0 / np.maximum(x, 50.0)
     series = 1 + y / 8 + 9 * y**2 / 128 + 225 * y**3 / 3072 + 11025 * y**4 / 98304
@@ -44,7 +44,7 @@ def convolve(profile, width, kappa, theta):
 
 
 def spread(kappa):
-    """1 - A(kappa) without cancellation."""
+    """Returns 1 - A(kappa) without cancellation."""
     return 1 / kappa - 2 / np.expm1(2 * kappa) if kappa < 300 else 1 / kappa
 
 

@@ -63,7 +63,7 @@ def views_of(found, is_far=True):
 
 
 def share(view, row):
-    """(error - floor) / (plain - floor); None if plain mips are too close to the floor."""
+    """Returns (error - floor) / (plain - floor), or None if the error of plain mips is too close to the floor."""
     floor, plain = view["floor"]["error"], view["rows"]["plain mips"]["error"]
     return (view["rows"][row]["error"] - floor) / (plain - floor) if plain - floor >= GAP_MIN / 100 else None
 
@@ -80,7 +80,7 @@ def share_table(found, rows):
 
 
 def pure_rows(rows, count):
-    """Lists rows of at most `count` evaluations, except for rows of the rule."""
+    """Lists rows with at most `count` evaluations, except for rows of the rule."""
     return [row for row in rows if not row.startswith("rule") and
             (int(row.rsplit(", ", 1)[1]) if ", " in row else 1) <= count]
 

@@ -49,7 +49,7 @@ class Bakes:
 
 
 def line(low, high):
-    """Returns constant and slope of the line through (2 lobes, low) and (4 lobes, high), neither below 0."""
+    """Returns constant and slope of the line through (2 lobes, low) and (4 lobes, high), each at least 0."""
     slope = max(0.0, (high - low) / 2.0)
     return max(0.0, high - 4.0 * slope), slope
 

@@ -94,7 +94,7 @@ class FieldMeasurement:
     """Measures one field: its traced frames, and frames drawn from inferred textures."""
 
     def __init__(self, name, job, inferred, programs, rows, stated):
-        """`stated`: the ratios of tables."""
+        """`stated`: the ratios that tables list."""
         from fields import Field
         self.name, self.inferred, self.programs, self.rows = name, inferred, programs, rows
         self.stated, self.main = stated, ["--ratio", f"{stated[len(stated) // 2]:g}"]
@@ -120,7 +120,7 @@ class FieldMeasurement:
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
     def packed_at_main(self, options):
-        """Like packed(), at the main ratio; takes the row of a curve if there is one."""
+        """Does the same as packed(), at the main ratio. Uses the row of a curve if there is one."""
         curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
         row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
         if row:
@@ -137,7 +137,7 @@ class FieldMeasurement:
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
     def measure_videos(self, video_codecs, beginnings):
-        """`beginnings`: beginnings of names of codecs, or None for all."""
+        """`beginnings`: prefixes of codec names, or None for all codecs."""
         from fields import mse
         for codec in video_codecs.CODECS:
             if beginnings and not codec.name.startswith(tuple(beginnings)):
@@ -164,8 +164,8 @@ class FieldMeasurement:
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
     def measure_dimensions(self, video_codecs, ratios):
-        """Measures the field with only its first two parameters, at the middle of the others, and then with one more
-        each time."""
+        """Measures the field with only its first two parameters, at the middle samples of the others, and then with one
+        more parameter each time."""
         from parameter_grid import with_leading_parameters
         names = self.field.parameters
         for kept in range(2, len(names) + 1):
@@ -182,8 +182,8 @@ class FieldMeasurement:
             self.rows.measured(self.name, "dimension", ", ".join(names[:kept]), measure)
 
     def errors_of_growth(self, video_codecs, ratios):
-        """Returns `at`: for each ratio, errors of the packed field, in all and against inferred textures, and of a
-        video."""
+        """Returns `at`: for each ratio, the total error of the packed field, its error against inferred textures, and
+        the error of a video."""
         from fields import mse
         points = []
         for ratio in ratios:
@@ -194,8 +194,8 @@ class FieldMeasurement:
         return {"own": mse(self.own, self.traced), "at": points}
 
     def stated_errors(self, inferred):
-        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; takes rows of
-        a curve if there are any."""
+        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; uses rows of a
+        curve if there are any."""
         result = {}
         for ratio in self.stated:
             row = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {ratio:g}:1") if inferred is None else None
@@ -219,7 +219,7 @@ class FieldMeasurement:
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps`: keep textures of all ways in the work folder. `ways`: only the first ways of INFERENCES."""
+        """`keeps`: whether to keep the textures of all ways in the work folder. `ways`: number of INFERENCES to use."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)

@@ -25,7 +25,7 @@ NAMES = ("reference", "averaged normal", "one lobe", "four lobes")
 
 
 def level_of(path, part, level):
-    """All channels of one mip level of a part, and their names."""
+    """Returns all channels of one mip level of a part, and their names."""
     image = oiio.ImageInput.open(path)
     subimage = 0
     while image.seek_subimage(subimage, 0) and image.spec().getattribute("oiio:subimagename") != part:
@@ -36,7 +36,7 @@ def level_of(path, part, level):
 
 
 def scaled(values):
-    """Values from -1 to 1: snorm16 files hold whole numbers up to 32767."""
+    """Returns values from -1 to 1; snorm16 files store integers up to 32767."""
     return values / 32767 if np.abs(values).max() > 2 else values
 
 

@@ -4,8 +4,8 @@ as pages that play.
 
 The paper describes its scenes but does not publish them. The fields of the shared data follow the description at half
 the resolution: a vase, a glass and a table in a room under a swinging light (figures 10 and 11), and the same room with
-a turning knot instead of the paper's gewgaw (figure 12). The codec of views is AV1 by ffmpeg instead of MPEG-4.
-docs/evidence/PLAYBACK.md has whole curves of size and error.
+a turning knot instead of the paper's gewgaw (figure 12). ffmpeg codes views as AV1 instead of MPEG-4.
+docs/evidence/PLAYBACK.md contains complete curves of size and error.
 """
 import json
 import pathlib
@@ -72,7 +72,7 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """Codes the best AV1 within the bytes of raw frames / ratio, or the smallest AV1 if none fits."""
+        """Codes the best AV1 that fits into the size of the raw frames / ratio, or the smallest AV1 if none fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
@@ -90,7 +90,7 @@ class FieldStudy:
         return (slice(height // 6, 5 * height // 6), slice(width // 4, 3 * width // 4))
 
     def strip(self, name, shown):
-        """Writes a strip with the middle sample of each. `shown`: (frames, caption)."""
+        """Writes a strip with the middle sample of each entry of `shown`, (frames, caption)."""
         middle = len(self.traced) // 2
         self.study.strip(name, [(frames[middle].astype(np.float32) / 255, caption) for frames, caption in shown],
                          zoom=2, crop=self.crop(), kind="jpg")

@@ -36,7 +36,7 @@ def maps(study):
 
 
 def reading_of(study, path):
-    """Returns --green up if the map's statistics do not decide, the same for every representation; else nothing."""
+    """Returns --green up for all representations if the map's statistics do not show the direction, else nothing."""
     try:
         study.bake("probe", path, "--ndf", "moments", "--no-measure")
         return ()
@@ -138,7 +138,7 @@ def draw_every_material(study):
 
 
 def draw_same_filter(study):
-    """Compares errors against two references: one averages over the texels that the filter takes, one over the
+    """Compares errors against two references: one averages over the texels that the filter reads, the other over the
     pixel."""
     normal = study.testmap("same_filter")
     study.bake("same_filter", normal, "--green", "up", "--no-measure")

@@ -3,10 +3,11 @@
 
 The paper's scenes (a carved silver disk, golden armour) are not published. The map of rings, once across a square,
 replaces the disk. The repeated map of hemispherical scales replaces the armour. The order of methods and the ratios of
-their errors carry over, not the values of the figures, so tables have ratios next to the paper's ratios.
+their errors can be compared with the paper, but the values cannot. Tables therefore list ratios next to the paper's
+ratios.
 
 The material follows the paper: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F.
-The paper prints it without shadowing and masking. Here both are included, for the reference and for every method.
+The paper's formula omits shadowing and masking. Here both are included, for the reference and for every method.
 """
 import numpy as np
 from report_page import percent

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curves of error over compression: values between their points, and a picture."""
+"""Interpolates curves of error over compression, and draws them."""
 import html
 import math
 
@@ -37,7 +37,7 @@ def apart(places, distance):
 
 def picture(title, curves, marks):
     """Draws a self-contained SVG for light and dark pages. `curves`: (name, colour number, dash number, points (ratio,
-    error)); `marks`: ratios with a line of their own."""
+    error)); `marks`: ratios that are marked by a line."""
     curves = [one for one in curves if one[3]]
     ratios = [ratio for *_, points in curves for ratio, _ in points]
     errors = [error for *_, points in curves for _, error in points]

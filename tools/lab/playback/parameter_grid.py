@@ -39,7 +39,7 @@ def list_of(table, key):
 
 
 def with_split_parameter(job, name, parts):
-    """Replaces the parameter `name` by `parts`, (name, count); the last part is fastest."""
+    """Replaces the parameter `name` by `parts`, (name, count); the last part changes fastest."""
     parameters = [table for table in tables(job) if is_a(table, "parameter")]
     place = next((k for k, table in enumerate(parameters) if name_of(table) == name), None)
     if place is None:

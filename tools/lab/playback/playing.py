@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures how a packed field plays: times to random samples next to AV1, frames per second, borders of blocks, memory,
-and the same in a browser. `multum-view play` draws. Everything except the browser runs on one core.
+"""Measures how a packed field plays: seek times compared with AV1, frames per second, block borders, memory, and the
+speed in a browser. `multum-view play` draws. Everything except the browser runs on one core.
 
 Writes rows of kind "playing". Stop other work on the machine, because it makes times longer and more variable.
 """
@@ -37,8 +37,8 @@ def quantile(values, p):
 
 
 def diagonals(counts):
-    """Lists every place of the grid once: each frame is a step further along all parameters, one diagonal after
-    another."""
+    """Lists every cell of the grid once, one diagonal after another: each frame is a step further along all
+    parameters."""
     places = {}
     for begin in itertools.product(*map(range, counts)):
         for step in range(max(counts)):
