@@ -38,7 +38,7 @@ for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
     ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
              for n in COUNTS}
 ROWS_AT_ONCE = 6  # what a browser draws before it is kept
-# Files of the package that a row depends on.
+# Files of the package on which a row depends.
 POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
 
 

@@ -6,9 +6,9 @@
         -o docs/evidence/PLAYBACK.md [--bin DIR] [--parts PART...] [--again PART...] [--measure-nothing]
 
 FIELD is a folder of ray-traced frames that `multum animation` can read (docs/reference/animation_jobs.md). Each field
-gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT divides a parameter that runs over two things.
+gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT splits one parameter into several parameters.
 
-Textures are inferred once, into DIR. Every figure becomes a row in the file of rows at once, with its commit. Existing
+Textures are inferred once, into DIR. Every figure is immediately stored in the file of rows, with its commit. Existing
 rows are not measured again unless --again names their part: videos of traced frames, for example, do not depend on
 multum. --measure-nothing makes the page only from the rows. Videos need Debian's ffmpeg, and playing needs dav1d's
 library. Without a browser, the browser's figures are left out.
@@ -302,10 +302,9 @@ def number(value, digits=1):
 
 
 def field_words(row):
-    counts = " x ".join(f"{count} of {name}" for count, name in zip(row["counts"], row["parameters"]))
+    counts = " x ".join(f"{count} values of {name}" for count, name in zip(row["counts"], row["parameters"]))
     return (f"The field has {math.prod(row['counts'])} samples ({counts}) of {row['width']} x {row['height']} pixels. "
-            f"Its "
-            "objects are "
+            "Its objects are "
             f"{', '.join(row['objects'])}. The raw 24-bit frames need {row['raw_bytes']:,} bytes.")
 
 

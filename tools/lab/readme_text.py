@@ -30,7 +30,7 @@ EVALUATED = "-points"  # the ending of methods that are shaded at as many points
 
 
 class Unreadable(Exception):
-    """A page or JSON file does not have the row or the number that a figure comes from."""
+    """A page or JSON file does not contain the row or number that a figure needs."""
 
 
 def percent(share):
@@ -103,7 +103,7 @@ far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wi
 {rows}
 
 *Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps.
-Brackets contain the error of the same method with as many evaluations of light per pixel as the lobes. The reference
+Brackets contain the error of the same method with as many evaluations of light per pixel as lobes need. The reference
 has {made_of["samples"]} samples per pixel; the noise of the reference is {percent(made_of["noise"])}. Normal map:
 {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
@@ -142,7 +142,7 @@ def by_lobes(_figures, root):
                         ("2 lobes", "2 lobes"), ("4 lobes", "4 lobes"), ("6 lobes", "6 lobes")):
         channels, *errors = cells_of(root, "ACCURACY.md", text, name)
         rows.append([label, channels, *(error.partition(" ")[0] + " %" for error in reversed(errors))])
-    head = ["texels hold", "channels", *(f"roughness {roughness(int(s))} (s = {s})" for s in reversed(exponents))]
+    head = ["data per texel", "channels", *(f"roughness {roughness(int(s))} (s = {s})" for s in reversed(exponents))]
     return "\n" + table(head, *rows) + "\n"
 
 
@@ -203,7 +203,7 @@ MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader 
 
 def models(_figures, root):
     """Makes a table of (error - floor) / (error of plain mips - floor): medians over views from 5 m and farther."""
-    head, columns = ["three.js draws"], []
+    head, columns = ["drawn by three.js"], []
     for title, words in MODEL_SETS:
         text = section_of(root, "GLTF_MODELS.md", title)
         cells = [cells_of(root, "GLTF_MODELS.md", text, name) for _, name in MODEL_ROWS]
@@ -216,7 +216,7 @@ def models(_figures, root):
 
 
 def default_mib(side, bytes_per_texel):
-    """MiB of a square texture with all of its levels."""
+    """Returns the MiB of a square texture with all of its levels."""
     texels, level = 0, side
     while level >= 1:
         texels, level = texels + level * level, level // 2
@@ -224,13 +224,13 @@ def default_mib(side, bytes_per_texel):
 
 
 def gpu_frames(root, row):
-    """Milliseconds of a frame in docs/evidence/GPU.md, trilinear and 16 x anisotropic."""
+    """Returns the milliseconds of a frame in docs/evidence/GPU.md, trilinear and 16 x anisotropic."""
     return " / ".join(row_of(root, "GPU.md", rf"^\| {row} +\| {anisotropy} +\| [\d.]+ +\| ([\d.]+)")
                       for anisotropy in (1, 16))
 
 
 def block_mib(side, root):
-    """MiB of four lobes in BC5 with all levels, and of level 0 of the BC5 normal map that they need."""
+    """Returns the MiB of four lobes in BC5 with all levels, plus level 0 of the BC5 normal map that they need."""
     share = float(row_of(root, "LOBE_TEXTURES.md", r"^\| 4 \| BC5 \| ([\d.]+) "))
     return share * default_mib(side, 1.5) + side * side / 2**20
 
@@ -275,7 +275,7 @@ def texel_bytes(figures, _root):
 
 
 def whole_bakes(root):
-    """Seconds and MiB of memory of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the number of cores."""
+    """Returns the seconds and MiB of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the core count."""
     title = "A whole bake compared with maketx, 4096 x 4096"
     section = row_of(root, "BENCHMARKS.md", rf"(?s)^## {title}\n(.*?)(?=^## |\Z)")
     programs = [re.search(rf"^\| {name} +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)", section, re.MULTILINE)
@@ -307,7 +307,7 @@ def worst_levels(_figures, root):
     exponents = sorted(worst, reverse=True)
     sharpest = worst[exponents[0]]
     name = max(sharpest, key=sharpest.get)
-    head = ["error on a map's worst level, 4 lobes", *(f"roughness {roughness(s)} (s = {s})" for s in exponents)]
+    head = ["error of a map's worst level, with 4 lobes", *(f"roughness {roughness(s)} (s = {s})" for s in exponents)]
     medians = [f"median of {len(sharpest)} real maps",
                *(f"{statistics.median(worst[s].values()):.1f} %" for s in exponents)]
     return "\n" + table(head, medians, [f"worst map, `{name}`", *(f"{worst[s][name]:.1f} %" for s in exponents)]) + "\n"

@@ -96,7 +96,7 @@ def span(values, form):
 
 
 def section(size, rounds, processes, plan):
-    """Makes the section of one size: costs, and parts compared with the plan, each as a share of its own whole."""
+    """Makes the section of one size: the costs, and the measured and planned parts, each in % of one bake."""
     wholes = [run for one in rounds for run in one["wholes"]]
     hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:

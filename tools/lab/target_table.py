@@ -5,8 +5,8 @@ folder.
 
     tools/lab/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/evidence/TARGETS.md
 
-Each map is baked whole for each target. Files that `multum bake` refuses as normal maps are left out. With --resume,
-rows in the file of --state are not baked again. With --bake-nothing, the page is made only from these rows.
+Each map is baked completely for each target. Files that `multum bake` refuses as normal maps are left out. With
+--resume, rows in the file of --state are not baked again. With --bake-nothing, the page is made only from these rows.
 """
 
 import argparse

@@ -223,7 +223,7 @@ def changing_light(study):
 
 
 def shininess(study, material):
-    study.heading("Figures 6 and 8: scale, shininess and light, changed without another bake")
+    study.heading("Figures 6 and 8: other scale, shininess and light without another bake")
     without = list(material)
     at = without.index("--brdf")
     del without[at:at + 2]

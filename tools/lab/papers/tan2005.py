@@ -20,7 +20,7 @@ FINER = 8  # pixels a side that stand for one where the filter's own share is ta
 SILVER = ("--brdf", "cook-torrance:0.07,0.95,0.93,0.88", "--diffuse", "0.5", "--specular", "0.2")
 GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--specular", "0.25")
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)
-OURS = "planar Gaussians, 4 (their method)"
+OURS = "planar Gaussians, 4 (method of the paper)"
 BASELINES = (("Toksvig", "toksvig"), ("LEAN, slopes as published", "lean"),
              ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              # These methods are shaded at as many points per pixel as four lobes need evaluations.
@@ -46,7 +46,7 @@ def factors(study, rows, published):
     """Makes a table of colour errors next to the paper's errors. `rows`: label to (colour error, further cells);
     `published`: label to the paper's colour error. The first row is the paper's method."""
     head, further = next(iter(rows)), [name for name, _ in next(iter(rows.values()))[1]]
-    study.table(["method", "colour error", "ratio to their method", "published", "published ratio", *further],
+    study.table(["method", "colour error", "ratio to the paper's method", "published", "published ratio", *further],
                 [[label, f"{error:.3f}", f"{error / rows[head][0]:.2f}",
                   *([f"{published[label]:.3f}", f"{published[label] / published[head]:.2f}"] if label in published
                     else ["-", "-"]), *[cell for _, cell in cells]] for label, (error, cells) in rows.items()])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Changes the parameters of a job of `multum infer`: splits a parameter that runs over two things, or keeps only the
+"""Changes the parameters of a job of `multum infer`: splits one parameter into several parameters, or keeps only the
 first parameters, with the middle samples of the others. Jobs are TOML texts as `multum animation` writes them, and the
 rest of the text does not change."""
 import json

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a command as results quote it.
+// Writes a command in the form in which results quote it.
 #pragma once
 
 #include <string>

@@ -24,8 +24,8 @@ struct DriverSearch {
 /// Searches ld.so's list and the usual folders of makers and containers. Changes nothing.
 DriverSearch find_drivers();
 
-/// Makes drivers known that no file names, with files in `folder` and environment variables. Call it before any thread
-/// starts.
+/// Registers the drivers that no file names, with files in `folder` and environment variables. Call it before any
+/// thread starts.
 void name_drivers(const DriverSearch& found, const std::string& folder);
 
 }  // namespace multum::bench
