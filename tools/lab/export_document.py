@@ -180,9 +180,9 @@ format. Every export prints the names of engines that cannot load the exported f
 - Tried outside a browser: Blender 3.4 and Godot 3.2. The statements about Unreal follow Unreal's documentation.
 - Babylon.js, PlayCanvas and Filament load only Basis Universal from KTX2. These three engines can drop other textures
   of a model without a message.
-- Read in source code (October 2026): Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2, but only level
-  0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are not divisible
-  by 4. The export warns in both cases.
+- Read in the engines' source code (October 2026): Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2,
+  but only level 0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are
+  not divisible by 4. The export warns in both cases.
 - Tests read every level: three.js (WebGL 2 with SwiftShader) reads all kinds of KTX2, ktx-parse 2.0 reads their
   headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads half floats from DDS, the only format
   with a DX10 header that it supports.

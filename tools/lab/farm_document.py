@@ -123,8 +123,9 @@ second.
    {percent(last['sbatch_share'])}.
 2. **Scans of the shared folder** run on the thread that also calls `sbatch`. A scan that asks for three files of each
    part on Slurm takes up to {looks(1)} s with `jobs = 10000` and up to {looks(3)} s with `jobs = 30000`. The service
-   instead lists each task's folder and opens only existing files. For the same two settings, such scans take up to
-   {looks(2)} s and {looks(4)} s of simulated time, at {1000 * last['file_s']:g} ms per request.
+   instead lists each task's folder and opens only existing files. Such scans take up to
+   {looks(2)} s with `jobs = 10000` and up to {looks(4)} s with `jobs = 30000`. These are simulated times, at
+   {1000 * last['file_s']:g} ms per request.
 3. **The ledger's only thread** spends {percent(last['ledger_share'])} of the time on jobs, and can spend more on
    queries. Counting all jobs, for pages and metrics, takes {full['counts_ms']:.0f} ms while all jobs are queued. The
    service reuses each count for ten times as long as counting took, so counting takes at most a tenth of the thread's

@@ -29,7 +29,7 @@ CHOICE = re.compile(r"(?P<verdict>chosen|best reached): (?P<options>--ndf .*?): 
 
 
 def is_normal_map(path):
-    """Tests the name, which follows the naming of games and engines."""
+    """Tests whether games and engines give such a file name to normal maps."""
     return re.search(r"(_n|_normal|-normal|_nm|_norm|flakes5n)\.\w+$|^pm_", path.name) is not None
 
 

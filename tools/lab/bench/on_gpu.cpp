@@ -161,7 +161,8 @@ class OnGpuRun {
     write_text_file(options_.output + ".md", page_of_run(result_));
   }
 
-  // Chooses as Device::open() does, from a child's list, so that a driver that crashes only ends the child.
+  // Chooses a device as Device::open() does, from the list of a child process, so that a crashing driver ends only the
+  // child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
     child({neighbouring_program("multum"), "devices", "--report", listed}, 60);

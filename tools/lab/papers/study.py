@@ -168,7 +168,8 @@ class Study:
         return loaded
 
     def view(self, name, baked, *options, compare=(), samples=None):
-        """Draws BAKED.ndf.exr as NAME_*.exr: "multum" and the methods in `compare`. `samples`: per reference pixel."""
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum" and the methods in `compare`. `samples`: samples per pixel of the
+        reference."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
                    "--report", report, *options]

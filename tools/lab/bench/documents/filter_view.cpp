@@ -259,9 +259,8 @@ ResultView view_filters(const Json& result) {
           "filter "
           "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest level, averaged "
           "with a box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
-          "{}. *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
-          "f' and "
-          "their references t, t'. LEAN is drawn with its Jacobian.",
+          "{}. *Flicker* is `sum |(f' - f) - (t' - t)| / sum t` for neighbouring frames `f`, `f'` and their references "
+          "`t`, `t'`. LEAN is drawn with its Jacobian.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
           sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};
