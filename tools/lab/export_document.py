@@ -120,10 +120,10 @@ processor time by 5 to 15 %.
 | `--for` | taps | roughness where normals change between pixels | z of normals |
 |---|---|---|---|
 | `three`, the default | 16 if a program asks for them | adds the largest change of a component | read |
-| `babylon` | 4 | at least the cube root of the squared change, with the normal map | read |
+| `babylon` | 4 | at least the cube root of the squared change, which includes the normal map | read |
 | `playcanvas` | 1 | unchanged | read |
 | `filament` | 1 | alpha^2 + 0.3 times the squared changes, up to 0.2 | read |
-| `godot` | 1 | roughness^2 + 0.5 times the squared changes, up to 0.18, with the normal map | rebuilt |
+| `godot` | 1 | roughness^2 + 0.5 times the squared changes, up to 0.18; the changes include the normal map | rebuilt |
 | `unity` | 1 | unchanged | rebuilt |
 | `unreal` | 8 | unchanged | rebuilt |
 

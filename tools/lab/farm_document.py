@@ -98,7 +98,8 @@ percentages of the service's time.
 |---|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
-The run with all maps took {last['hours']:.1f} hours and {last['chunks']} tasks: {states}. In this run,
+The run with all maps took {last['hours']:.1f} hours and {last['chunks']} tasks.
+At the end, the jobs had these states: {states}. In this run,
 {last['failed_attempts']} attempts and {last['node_failures']} nodes failed. For each map, the ledger spent {submit} on
 submitting, {claim} on claiming, {note} on recording the sent job, and {end} on recording the end. The simulation counts
 elapsed times as simulated time. Other programs also ran on the machine, so elapsed times include waits for the disk and

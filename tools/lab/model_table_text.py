@@ -183,8 +183,8 @@ def document(found, rows, counts, view, lacking):
         if "plain mips" in rows and views_of(part):
             text.append("The table lists the share of the error that remains: (error - floor) / (error of plain mips "
                         "- floor). The table covers views from 5 m and farther in which the error of plain mips is at "
-                        "least "
-                        f"{GAP_MIN} points higher than the floor:\n\n{share_table(part, rows)}\n")
+                        f"least {GAP_MIN} points higher than the floor:\n\n"
+                        f"{share_table(part, rows)}\n")
             text.append("For rows with one evaluation, the table lists the error minus the error of plain mips, in "
                         "points, for views from 5 m and farther:\n\n"
                         f"{excess_table(part, rows, True)}\n")

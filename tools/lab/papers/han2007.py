@@ -66,7 +66,7 @@ def methods(study):
                 "blinn-phong:200", "--diffuse", "0.8", "--specular", "0.15", *FRAME)
     six = study.view("six", "quarters", *material, compare=BASELINES)
     one = study.view("one", "one_lobe", *material)
-    study.heading("Figure 2: six lobes with colours against other methods")
+    study.heading("Figure 2: six lobes with colours, compared with other methods")
     study.figures([(six[REFERENCE], "reference"), (six["multum"], "six lobes"), (one["multum"], "one lobe"),
                    (six["toksvig"], "Toksvig"), (six["mip"], "averaged normals")], name="methods")
     rows = [["six lobes", six["multum"], six.frame_ms["multum"]], ["one lobe", one["multum"], one.frame_ms["multum"]],
@@ -159,9 +159,8 @@ def environment_light(study):
     study.heading("Figure 9: a mesh under an environment")
     study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the "
                     "light as a function of the half vector, up to order 8 (Han, section 8). These harmonics are "
-                    "accurate only for "
-                    "broad highlights. The second column uses maps that are filtered for lobes of every width. "
-                    "Filtered maps are accurate for sharp highlights too.")
+                    "accurate only for broad highlights. The second column uses maps that are filtered for lobes of "
+                    "every width. Filtered maps are accurate for sharp highlights too.")
     light = study.path("sky.exr")
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
@@ -272,9 +271,8 @@ def lobe_counts(study):
     reference = density_of_normals(block, directions)
     study.heading("Figure 7: the normals of one texel, as one to six lobes and as planar Gaussians")
     study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals are tilted by up to 72 "
-                    "degrees. Near the "
-                    "rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The error compares the "
-                    "densities in the pictures, integrated over solid angle.")
+                    "degrees. Near the rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The "
+                    "error compares the densities in the pictures, integrated over solid angle.")
     shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))

@@ -141,8 +141,7 @@ def fournier(study):
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
     study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The row with 8 x 8 "
                     "lookups therefore lists the error of the Gaussians alone. The other rows include the errors of "
-                    "their filters. The "
-                    "picture of the",
+                    "their filters. The picture of the",
                     "elongated filter differs from the picture of the round filter by",
                     f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
                     f"paper compares the time of the peaks with the time of a filter that fits the pixel. Here, this "

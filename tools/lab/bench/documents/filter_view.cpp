@@ -210,9 +210,8 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   std::string text = fmt::format(
       "**With an equal number of evaluations** of light per pixel, each evaluation uses {} taps (`multum-view "
       "--evaluations`). For lobes, multum's rule divides the evaluations between lobes and points. Other methods are "
-      "shaded at as many points per pixel as there are evaluations. The table lists errors in %, "
-      "for each "
-      "method at its best bias:\n\n",
+      "shaded at as many points per pixel as there are evaluations. The table lists errors in %, for each method at "
+      "its best bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
   text += "\nThe next table lists the flicker in %, with an equal number of evaluations:\n\n";
@@ -253,14 +252,12 @@ ResultView view_filters(const Json& result) {
   return {
       "Texture filters",
       fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s "
-          "= 100). The {} "
-          "maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the same "
-          "filter "
-          "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest level, averaged "
-          "with a box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
-          "{}. *Flicker* is `sum |(f' - f) - (t' - t)| / sum t` for neighbouring frames `f`, `f'` and their references "
-          "`t`, `t'`. LEAN is drawn with its Jacobian.",
+          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s = 100). "
+          "The {} maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the "
+          "same filter (`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest "
+          "level, averaged with a box filter. The noise of the reference is at most {}. The noise of the blended "
+          "reference is at most {}. *Flicker* is `sum |(f' - f) - (t' - t)| / sum t` for neighbouring frames `f`, `f'` "
+          "and their references `t`, `t'`. LEAN is drawn with its Jacobian.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
           sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};
