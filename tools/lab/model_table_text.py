@@ -69,7 +69,7 @@ def share(view, row):
 
 
 def share_table(found, rows):
-    lines = ["| row | median | highest | view with the highest | views |", "|---|---|---|---|---|"]
+    lines = ["| row | median | highest | view with the highest value | views |", "|---|---|---|---|---|"]
     for row in rows:
         shares = [(share(view, row), f"{name}, {distance} m") for name, distance, view in views_of(found)]
         shares = [one for one in shares if one[0] is not None]
@@ -86,7 +86,7 @@ def pure_rows(rows, count):
 
 
 def rule_table(found, rows, counts):
-    lines = ["| evaluations | median | highest | view with the highest | best row there | views above 0.3 | "
+    lines = ["| evaluations | median | highest | view with the highest value | best row in this view | views above 0.3 | "
              "next views |",
              "|---|---|---|---|---|---|---|"]
     for count in counts:
@@ -107,7 +107,7 @@ def rule_table(found, rows, counts):
 
 def points_table(found, rows, counts):
     """Compares errors of the rule with errors of points, at as many evaluations."""
-    lines = ["| evaluations | median | highest | view with the highest |", "|---|---|---|---|"]
+    lines = ["| evaluations | median | highest | view with the highest value |", "|---|---|---|---|"]
     for count in counts:
         row, points = f"rule, {count}", f"points, {count}"
         if row in rows and points in rows:
@@ -131,7 +131,7 @@ def byte_table(found):
 
 def excess_table(found, rows, is_far):
     """Compares errors of rows with one evaluation with errors of plain mips."""
-    lines = ["| row | median | highest | view with the highest | views above 0.2 |", "|---|---|---|---|---|"]
+    lines = ["| row | median | highest | view with the highest value | views above 0.2 |", "|---|---|---|---|---|"]
     for row in rows:
         if row == "plain mips" or (", " in row and not row.endswith(", 1")):
             continue
@@ -144,7 +144,7 @@ def excess_table(found, rows, is_far):
 
 
 def energy_table(found, rows):
-    lines = ["| row | median | highest | view with the highest |", "|---|---|---|---|"]
+    lines = ["| row | median | highest | view with the highest value |", "|---|---|---|---|"]
     for row in rows:
         differences = [(100 * abs(view["rows"][row]["energy"] - view["floor"]["energy"]), f"{name}, {distance} m")
                        for name, distance, view in views_of(found)]

@@ -216,7 +216,8 @@ def changing_light(study):
     study.strip("changing_light", [(box_reduced(read_picture(folder / f"frame_{k:04}.png")[:, :, :3], 2),
                                     f"frame {k + 1}") for k in range(frames)], kind="jpg")
     study.table(["relative L1", "first frame", "in the middle", "last"], errors)
-    study.table(["processor time per frame, ms", "new environment, 512 x 256", "mixture of two", "to the shader"],
+    study.table(["processor time per frame, ms", "new environment, 512 x 256", "mixture of two environments",
+                 "transfer to the shader"],
                 [[words, f"{spent[0]['made']:.0f}", f"{np.median([s['made'] for s in spent[1:-1]]):.1f}",
                   f"{np.median([s['set'] for s in spent[1:-1]]):.0f}"] for words, spent in costs])
 

@@ -224,7 +224,7 @@ def seek_section(row, table):
         verdict.append(f"{ratio:.1f} times as long as {spoken(name)}")
     return ["#### Seeks to random samples from a cold cache",
             table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
-                   "decoded at most"], lines),
+                   "most textures decoded"], lines),
             f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, on one core and one "
             "thread. The table lists medians of the rounds with ranges in brackets, and ratios within a round. AV1 "
             "uses the quality setting whose error is most similar to the error of the packed file. "
@@ -282,7 +282,7 @@ def memory_section(found, table):
             lines.append([size, f"{row['bytes_most'] / 2 ** 20:.1f}", f"{row['mse']:.2f}",
                           f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
     return ["#### Memory and quality", table(
-        ["`--memory`", "peak, MiB", "MSE against frames that wait", "images that are late, %", ""], lines),
+        ["`--memory`", "peak, MiB", "MSE compared with frames that wait", "late images, %", ""], lines),
         "The path is the diagonal with `--no-wait`: each frame is drawn with the textures that are decoded in "
         "time."] if lines else []
 
