@@ -409,7 +409,8 @@ def inference_section(rows, name, stated):
             cells.append(f"{one['mse']:.1f} ({one['part']:.2f})" if one else "-")
         share = next(p["pixels"] for p in found[0]["places"] if (p["object"], p["place"]) == key)
         lines.append([f"{key[0] or 'nothing'}, {key[1]}", f"{100 * share:.1f}", *cells])
-    parts.append(table(["MSE of the pixels (part)", "share of pixels, %", *[shown(row["name"]) for row in found]], lines))
+    parts.append(table(["MSE of the pixels (part)", "share of pixels, %",
+                        *[shown(row["name"]) for row in found]], lines))
     return parts
 
 

@@ -54,8 +54,8 @@ class Player:
         self.core = min(os.sched_getaffinity(0))
 
     def play(self, places, *options):
-        """Returns the frames of statistics.json, and the whole file. Draws the first place twice and drops the first
-        frame, which compiles shaders."""
+        """Returns the frames of statistics.json, and the whole file. Draws the first cell twice, and drops the
+        first frame, which compiles shaders."""
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
         path = self.scratch / "path.json"
@@ -277,7 +277,8 @@ def memory_section(found, table):
     for size in MEMORIES:
         row = found.get(f"memory, {size}")
         if row and not row["fits"]:
-            lines.append([size, "-", "-", "-", "multum-view stops with an error: the memory does not hold one frame"])
+            lines.append([size, "-", "-", "-",
+                          "multum-view stops with an error, because one frame does not fit into this memory"])
         elif row:
             lines.append([size, f"{row['bytes_most'] / 2 ** 20:.1f}", f"{row['mse']:.2f}",
                           f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
