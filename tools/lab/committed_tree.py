@@ -4,8 +4,8 @@
 
     tools/lab/committed_tree.py [--allow-dirty] [--root DIR]    # prints the commit; exit code 1 if it is refused
 
-Generators call add_option() and stated_commit(). Documents may have changed, so that they can be made one after
-another: no figure depends on docs/ or README.md.
+Generators call add_option() and stated_commit(). Changed documents are allowed, because no figure depends on docs/ or
+README.md. Documents can therefore be made one after another.
 """
 import argparse
 import pathlib

@@ -47,7 +47,8 @@ def errors_by_level(bake, brdf, points):
 
 
 def fit_parts(bake):
-    """Divides the seconds of the fit into (name, seconds): its levels, then the rest. They add up to the stage."""
+    """Divides the time of the fit into rows (name, seconds): the levels, then the rest. Their sum is the whole
+    stage."""
     parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
     if "start" in bake:
         parts.append(("start", bake["start"]["seconds"]))
@@ -57,7 +58,7 @@ def fit_parts(bake):
 
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
-    # A coloured bake has the lobes of the white bake, so only errors with colours are new.
+    # A coloured bake has the same lobes as the white bake, so only errors with colours are new.
     coloured = [b for b in brdfs if b.endswith(" coloured")]
     brdfs = coloured or brdfs
     names = [b.removesuffix(" coloured") for b in brdfs]
@@ -100,7 +101,7 @@ of the fit.</p>
 
 
 def picture(folder, name, method, caption, kind, size=""):
-    """`size`: attributes that reserve the space of a picture before it is loaded."""
+    """`size` contains attributes that reserve the space of a picture before it is loaded."""
     file = f"{name}_{method}{kind}.png"
     if not (folder / file).is_file():
         return ""
@@ -121,7 +122,7 @@ def view_section(folder, name, view, step):
         error = f', error <b>{percent(one["relative_l1"])}</b>' if "relative_l1" in one else ""
         label = text(METHODS[method][0])
         shown.append(picture(folder, name, method, f"<b>{label}</b>{error}", "", size))
-        # Pictures have the order of the pictures above, where the first column is the reference.
+        # These pictures have the same order as the pictures above, whose first column is the reference.
         differences.append(picture(folder, name, method, f"<b>{label}</b> minus reference{error}", "_difference", size)
                            if error else picture(folder, name, method, f"<b>{label}</b>", "", size))
     errors = [one["relative_l1"] for one in view["pictures"] if "relative_l1" in one]

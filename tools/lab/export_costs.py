@@ -14,7 +14,7 @@ SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
 PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
-# Name of the runs in the file of --state, title, options of multum export.
+# Each row: name of the runs in the file of --state, title, and options of `multum export`.
 WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
         ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
         ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))

@@ -55,8 +55,9 @@ Every export prints a similar table for the exported map. `--beside NAME.ndf.exr
 
 MEASURE = """## Errors of highlights
 
-The table covers {maps} maps from {folder}. On each map, {cells} texels of each of the levels {levels} were measured
-({cell_count} texels in all). Textures are stored with 8 bits per channel, and lobes of `multum bake MAP` with 16 bits.
+The table covers {maps} maps from {folder}. On each map, {cells} texels on each of the levels {levels} were
+measured ({cell_count} texels in all). Textures are stored with 8 bits per channel, and lobes of `multum bake MAP` with
+16 bits.
 
 - *Error*: relative L1 error of the highlight. The reference is the mean of D V (n . l) over all finest texels that the
   measured texel covers, with GGX and height-correlated Smith visibility. Fresnel, occlusion and filtering between
@@ -69,9 +70,9 @@ The table covers {maps} maps from {folder}. On each map, {cells} texels of each 
 - Best single lobe: a Nelder-Mead search minimizes the errors of highlight and energy. The lights of the search differ
   from the lights of the table. The listed error is therefore an upper bound of the error of the best lobe.
 
-A black picture has a relative L1 error of 100 %, so a higher error is worse than black. At base roughness 0.1, compare
-the energies, and the errors under wide lights, which are 20 degrees across. Brackets contain the errors under wide
-lights.
+A black picture has a relative L1 error of 100 %, so a picture with a higher error is worse than a black picture. At
+base roughness 0.1, compare the energies, and the errors under wide lights, which are 20 degrees across. Brackets
+contain the errors under wide lights.
 
 The table lists medians over the maps for levels {levels}: the error in %, the error under wide lights in brackets, and
 the energy.
@@ -95,7 +96,7 @@ FORMS = """
 - `averages` stores averaged normals with the fitted roughness. Averaged normals keep their length, so texels are
   interpolated with the correct weights. Engines that rebuild z lose the length.
 - `auto` draws pictures and chooses the data of each level. For each level, `auto` stores either the averaged or the
-  fitted normal, and a fraction of the roughness that the fit adds.
+  fitted normal, and adds a fraction of the roughness increase of the fit.
 
 ```sh
 multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
@@ -107,21 +108,22 @@ multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
 
 The printed line names the view in which plain mips and one lobe differ most; the report lists all views.
 
-The pictures of `--form auto` show a plane from above, a tilted plane and a sphere, with 1 to 32 texels per pixel, under
-three lights and a room with lamps. The default form `one-lobe` is replaced only if three conditions hold. The other
-form lowers the mean error by at least a twentieth, and by at least 0.2 points. In every view, the error of the other
-form is at most 0.1 points higher than the error of one lobe. Maps without `--metalness` are drawn as a grey dielectric.
-For maps of 512 and 1024 texels per side, `--form auto` increases the processor time by 5 to 15 %.
+The pictures of `--form auto` show a plane seen from above, a tilted plane and a sphere, with 1 to 32 texels per pixel,
+under three lights and a room with lamps. The default form `one-lobe` is replaced only if three conditions hold. First,
+the other form lowers the mean error by at least a twentieth. Second, it lowers the mean error by at least 0.2 points.
+Third, in every view, the error of the other form is at most 0.1 points higher than the error of one lobe. Maps without
+`--metalness` are drawn as a grey dielectric. For maps of 512 and 1024 texels per side, `--form auto` increases the
+processor time by 5 to 15 %.
 
 `--for` names the engine whose texture filter and shading the pictures imitate:
 
 | `--for` | taps | roughness where normals change between pixels | z of normals |
 |---|---|---|---|
 | `three`, the default | 16 if a program asks for them | adds the largest change of a component | read |
-| `babylon` | 4 | at least the cube root of the squared change, with the normal map | read |
+| `babylon` | 4 | at least the cube root of the squared change, which includes the normal map | read |
 | `playcanvas` | 1 | unchanged | read |
 | `filament` | 1 | alpha^2 + 0.3 times the squared changes, up to 0.2 | read |
-| `godot` | 1 | roughness^2 + 0.5 times the squared changes, up to 0.18, with the normal map | rebuilt |
+| `godot` | 1 | roughness^2 + 0.5 times the squared changes, up to 0.18; the changes include the normal map | rebuilt |
 | `unity` | 1 | unchanged | rebuilt |
 | `unreal` | 8 | unchanged | rebuilt |
 
@@ -157,8 +159,8 @@ light per pixel. The last column lists the errors that `--form auto` predicted: 
 
 - `auto` chooses a form other than one lobe for 5 of 18 materials, and lowers the mean error of each of these materials.
   In 4 of the 30 views of these materials, the error of `auto` is more than 0.2 points higher than the error of one
-  lobe. On planes from above, the error of `auto` is up to 5.3 points higher than the error of one lobe. One lobe is
-  therefore the default.
+  lobe. On planes seen from above, the error of `auto` is up to 5.3 points higher than the error of one lobe. One lobe
+  is therefore the default.
 - At one evaluation per pixel, the error of one lobe is at most 0.2 points above the error of plain mips in 83 of 108
   views. Most of the other views show tilted planes, on which one lobe makes highlights too wide.
 - If you can shade each pixel four times, do that first: for 17 of 18 materials, plain mips at four points have lower
@@ -178,9 +180,9 @@ format. Every export prints the names of engines that cannot load the exported f
 - Tried outside a browser: Blender 3.4 and Godot 3.2. The statements about Unreal follow Unreal's documentation.
 - Babylon.js, PlayCanvas and Filament load only Basis Universal from KTX2. These three engines can drop other textures
   of a model without a message.
-- Read in source code (October 2026): Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2, but only level
-  0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are not divisible
-  by 4. The export warns in both cases.
+- Read in the engines' source code (October 2026): Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2,
+  but only level 0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are
+  not divisible by 4. The export warns in both cases.
 - Tests read every level: three.js (WebGL 2 with SwiftShader) reads all kinds of KTX2, ktx-parse 2.0 reads their
   headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads half floats from DDS, the only format
   with a DX10 header that it supports.
@@ -199,14 +201,14 @@ format. Every export prints the names of engines that cannot load the exported f
   KHR_materials_anisotropy, three.js and Filament use the tangent and bitangent of the geometry, so their lobe follows
   the geometric normal. This behaviour was read in the source code of these programs (October 2026).
 - A direction of anisotropy and its opposite mean the same, but filtering needs the same sign in neighbouring texels.
-  All directions of a map are therefore in one half plane. The border of this half plane is at the angle with the fewest
-  axes.
+  All directions of a map are therefore in one half plane. The border of this half plane is placed at the angle near
+  which the map has the fewest axes.
 """
 
 STORAGE = """## Error and size by storage format
 
 For each storage format, the table lists isotropic highlight errors on {maps} of these maps. The column *bytes* lists
-the bytes per texel of the map, for the normal and orm textures together with all levels. Block compression loses
+the bytes per texel of the map, for the normal and orm textures with all of their levels. Block compression loses
 accuracy where neighbouring texels of a level differ much. Blocks reduce GPU memory to a quarter of the memory of RGBA8.
 Zstandard does not reduce GPU memory.
 
@@ -214,7 +216,7 @@ Zstandard does not reduce GPU memory.
 |---|---|---|---|---|---|
 """
 
-# Name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
+# Each row: name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))
@@ -249,8 +251,8 @@ def stored(report):
 
 
 def storage(multum, path, roughness, cells, folder):
-    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so one roughness has
-    them."""
+    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so they are measured at
+    one roughness."""
     ways = {texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}
     ways["exr"] = ["--format", "exr"]
     if roughness == STORED_ROUGHNESS:
@@ -327,7 +329,7 @@ def measure(arguments, state):
 
 
 def values_of(rows, part, rule, what, roughness=None, level=None, light=None):
-    """Lists values of all maps at that roughness and level. `what` is "error" or "energy"."""
+    """Lists the values of all maps at one roughness and level. `what` is "error" or "energy"."""
     found = []
     for row in rows:
         if roughness is not None and row["roughness"] != roughness:
@@ -386,7 +388,7 @@ def ratios_where_wrong(rows, kind, roughnesses):
 
 
 def ratio_tables(rows):
-    """Makes tables with the median and the 90 % quantile of ratios of errors, and with medians of energy."""
+    """Makes tables with the median and the 90 % quantile of error ratios, and with energy medians."""
     rough = [r for r in ROUGHNESSES if r >= 0.25]
     found = []
     for kind in ("isotropic", "anisotropic"):

@@ -6,8 +6,8 @@
 
 Every map is drawn as a metal of roughness 0.5 and as a dielectric of 0.25, with 4 and 16 texels per pixel, on a plane
 from above, on a tilted plane and on a sphere. --package is a folder of @multum/three (`multum shaders -o DIR`:
-DIR/three). Errors are relative L1 in % against 8 x 8 samples per pixel of level 0, averaged over the views. A material
-takes a minute.
+DIR/three). Errors are relative L1 in % against 8 x 8 samples per pixel of level 0, averaged over the views. Each
+material takes a minute.
 """
 import argparse
 import json
@@ -110,7 +110,7 @@ def export(multum, path, folder, form, roughness, metalness, size):
 
 
 def errors_of(arguments, path, roughness, metalness):
-    """Returns errors of the views by row, and what `multum export` predicted for three of the rows."""
+    """Returns the errors of all views by row, and the errors that `multum export` predicted for three rows."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         multum = arguments.bin / "multum"

@@ -6,8 +6,8 @@
       -o docs/evidence/FARM_SCALE.md
 
 FOLDER is on the disk to measure. It needs about 2 GB and 10 to 20 minutes. Settings are tried with 20000 maps, which
-are enough to show their effect on nodes; the last run has all maps. Runs in the file of --state are not repeated, and
-the page states the commit of the first of them.
+are enough to show their effect on nodes. Only the last run uses all maps. Runs in the file of --state are not repeated,
+and the page states the commit of the first run.
 """
 
 import argparse
@@ -20,7 +20,7 @@ import sys
 import committed_tree
 
 NODES = 1000
-# Name in the file of --state, title, options, maps (None: all).
+# Each row: name in the file of --state, title, options, and number of maps (None for all maps).
 RUNS = [
     ("as `serve` has it: `jobs = 1000`, `chunk_s = 30`", "defaults of `serve`: `jobs = 1000`, `chunk_s = 30`",
      ["--jobs", "1000"], 20000),
@@ -98,7 +98,8 @@ percentages of the service's time.
 |---|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
-The run with all maps took {last['hours']:.1f} hours and {last['chunks']} tasks: {states}. In this run,
+The run with all maps took {last['hours']:.1f} hours and {last['chunks']} tasks.
+At the end, the jobs had these states: {states}. In this run,
 {last['failed_attempts']} attempts and {last['node_failures']} nodes failed. For each map, the ledger spent {submit} on
 submitting, {claim} on claiming, {note} on recording the sent job, and {end} on recording the end. The simulation counts
 elapsed times as simulated time. Other programs also ran on the machine, so elapsed times include waits for the disk and
@@ -117,13 +118,15 @@ second.
 
 ## The first three limits
 
-1. **`sbatch`**: the service calls `sbatch` once per task, and one call follows another: {1 / last['sbatch_s']:.0f}
-   tasks per second. With `chunk_s = 30` and {nodes} nodes, `sbatch` takes {percent(runs[2]['sbatch_share'])} of the
-   service's time. With `chunk_s = 300`, it takes {percent(last['sbatch_share'])}.
+1. **`sbatch`**: the service calls `sbatch` once per task, one call after another, which limits it to
+   {1 / last['sbatch_s']:.0f} tasks per second. With `chunk_s = 30` and {nodes} nodes, `sbatch` takes
+   {percent(runs[2]['sbatch_share'])} of the service's time. With `chunk_s = 300`, `sbatch` takes
+   {percent(last['sbatch_share'])}.
 2. **Scans of the shared folder** run on the thread that also calls `sbatch`. A scan that asks for three files of each
    part on Slurm takes up to {looks(1)} s with `jobs = 10000` and up to {looks(3)} s with `jobs = 30000`. The service
-   instead lists each task's folder and opens only existing files. For the same two settings, such scans take up to
-   {looks(2)} s and {looks(4)} s of simulated time, at {1000 * last['file_s']:g} ms per request.
+   instead lists each task's folder and opens only existing files. Such scans take up to
+   {looks(2)} s with `jobs = 10000` and up to {looks(4)} s with `jobs = 30000`. These are simulated times, at
+   {1000 * last['file_s']:g} ms per request.
 3. **The ledger's only thread** spends {percent(last['ledger_share'])} of the time on jobs, and can spend more on
    queries. Counting all jobs, for pages and metrics, takes {full['counts_ms']:.0f} ms while all jobs are queued. The
    service reuses each count for ten times as long as counting took, so counting takes at most a tenth of the thread's

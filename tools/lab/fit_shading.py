@@ -22,7 +22,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
 def bessel_i0_scaled(x):
-    """exp(-x) I_0(x): numpy's I_0 for x below 50, the asymptotic series above (relative error 2e-9 at 50)."""
+    """Returns exp(-x) I_0(x): by numpy for x below 50, by the asymptotic series above 50 (relative error 2e-9)."""
     low = np.minimum(x, 50.0)
     y = 1.0 / np.maximum(x, 50.0)
     series = 1 + y / 8 + 9 * y**2 / 128 + 225 * y**3 / 3072 + 11025 * y**4 / 98304
@@ -30,9 +30,9 @@ def bessel_i0_scaled(x):
 
 
 def convolve(profile, width, kappa, theta):
-    """integral f(n . w) vMF(n; mu, kappa) dn, theta = angle of mu and w. The integral around the axis w is I_0. The
-    other integral is over the angle a of n and w, cut where f (`width` = 9 standard deviations) or the vMF is below
-    1e-17."""
+    """Returns the integral of f(n . w) vMF(n; mu, kappa) dn, where theta is the angle between mu and w. The integral
+    around the axis w is I_0. The other integral is over the angle a between n and w, and ends where f (`width` = 9
+    standard deviations) or the vMF is below 1e-17."""
     reach = 9 / np.sqrt(kappa)
     low, high = max(0.0, theta - reach), min(np.pi / 2, theta + reach, max(width, theta - reach))
     if high <= low:
@@ -44,7 +44,7 @@ def convolve(profile, width, kappa, theta):
 
 
 def spread(kappa):
-    """1 - A(kappa) without cancellation."""
+    """Returns 1 - A(kappa) without cancellation."""
     return 1 / kappa - 2 / np.expm1(2 * kappa) if kappa < 300 else 1 / kappa
 
 
@@ -125,7 +125,8 @@ def print_lambert(tables):
     worst = [0.0, 0.0, 0.0]
     for kappa, exact in zip(kappas, upper):
         d = spread(kappa)
-        # F(t) - F(-t) = |r| t holds exactly for both, so the lower half of the sphere has the same absolute error.
+        # F(t) - F(-t) = |r| t holds exactly for the formula and for the integral, so the lower half of the sphere has
+        # the same absolute error.
         off = np.abs(lambert(d, t) - exact)
         both = exact + exact - (1 - d) * t
         worst = np.maximum(worst, [100 * (off * weight).sum() / (exact * weight).sum(),
@@ -154,8 +155,9 @@ def directions(random, count, degrees):
 
 
 def highlights(s, facet_kappa, kappa, h, mu, light):
-    """integral f(n . h) vMF(n) max(n . l, 0) dn, and the same without the cosine, in polar coordinates around the
-    mean of the product of both vMFs. f is Blinn-Phong with exponent s, or the vMF of facet_kappa if s is None."""
+    """Returns the integral of f(n . h) vMF(n) max(n . l, 0) dn, and the same integral without the cosine. Both use
+    polar coordinates around the mean of the product of both vMFs. f is Blinn-Phong with exponent s, or the vMF of
+    facet_kappa if s is None."""
     nodes, weights = np.polynomial.legendre.leggauss(48)
     total = facet_kappa * h + kappa * mu
     size = np.linalg.norm(total, axis=-1)

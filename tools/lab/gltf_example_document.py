@@ -5,8 +5,8 @@ three.js from near and far, next to a reference.
 
     tools/lab/gltf_example_document.py BIN_FOLDER OUT IMAGES --model FILE TEXT [--model FILE TEXT...]
 
-BIN_FOLDER has multum. FILE is a glTF with normal maps, and TEXT names its author. IMAGES is the folder for the page's
-pictures. Needs Node.js, Chromium and the packages of tests/service/web.
+BIN_FOLDER contains multum. FILE is a glTF with normal maps, and TEXT names its author. IMAGES is the folder for the
+page's pictures. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
 import json
@@ -74,8 +74,9 @@ def error_table(views):
 
 
 def form_text(report):
-    """Lists what `multum gltf` reported for each material."""
-    return "\n".join(f"* {one['name']}: {one['form']}" for one in report["materials"] if "form" in one)
+    """Quotes the lines that `multum gltf` reported for each material."""
+    lines = "\n".join(f"{one['name']}: {one['form']}" for one in report["materials"] if "form" in one)
+    return f"```text\n{lines}\n```"
 
 
 def counts(views):

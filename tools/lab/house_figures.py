@@ -4,8 +4,8 @@
 
     tools/lab/house_figures.py [COMMIT]   # default: HEAD
 
-A comparison with `Representation::` is ==, != or `case`. In product code, every mention of a file that names a
-representation or a BRDF counts once.
+Comparisons with `Representation::` use ==, != or `case`. Each file of product code that names a representation or a
+BRDF counts once.
 """
 import argparse
 import pathlib

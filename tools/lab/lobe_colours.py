@@ -5,9 +5,9 @@ that all have the texel's mean colour.
 
     tools/lab/lobe_colours.py BIN_FOLDER NORMAL COLOUR [NORMAL COLOUR...]
 
-BIN_FOLDER has multum and multum-view. NORMAL is a normal map with green up, and COLOUR is the base colour of the same
-size. The map covers an oblique plane, seen from near and far under one light, with 4 evaluations per pixel. Errors are
-relative L1 in %.
+BIN_FOLDER contains multum and multum-view. NORMAL is a normal map with green up, and COLOUR is the base colour of the
+same size. The map covers an oblique plane, seen from near and far under one light, with 4 evaluations per pixel. Errors
+are relative L1 in %.
 """
 import json
 import pathlib

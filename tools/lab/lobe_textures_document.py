@@ -3,11 +3,11 @@
 """Writes docs/evidence/LOBE_TEXTURES.md: what `multum export --lobes` costs in pictures, bytes and fetches.
 
     tools/lab/lobe_textures_document.py measure BIN_FOLDER OUT [--data FOLDER] [--maps NAME...]
-    tools/lab/lobe_textures_document.py share [--root DIR]     # its table into the pages that have it too
-    tools/lab/lobe_textures_document.py check [--root DIR]     # exit code 1 where one of them has another
+    tools/lab/lobe_textures_document.py share [--root DIR]     # copy its table into the other pages with this table
+    tools/lab/lobe_textures_document.py check [--root DIR]     # exit code 1 if one of these pages has another table
 
-BIN_FOLDER has multum and multum-view. With --data, shared data, the maps are those of its folder normal/ that --maps
-names; else one that multum makes. The pages have the table between <!-- figures: lobe_textures --> and
+BIN_FOLDER contains multum and multum-view. With --data, the folder of shared data, --maps names maps in its folder
+normal/. Without --data, multum makes one map. These pages have the table between <!-- figures: lobe_textures --> and
 <!-- /figures: lobe_textures -->: docs/how-to/choose_lobes.md, and the page that `multum tradeoff` writes.
 """
 import argparse

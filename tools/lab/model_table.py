@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_MODELS.md: three.js draws models and bumpy surfaces in every way of multum, at equal
-evaluations of light per pixel.
+"""Writes docs/evidence/GLTF_MODELS.md: three.js draws models and bumpy surfaces with every method of multum, with an
+equal number of evaluations of light per pixel.
 
     tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]
         [--distances METRES...] [--gltf=OPTIONS]
 
 MODELS is a folder with the files of tools/lab/models.json, which lists their sources. OUT is written anew after each
 model. The cache keeps converted models, references and errors, so only changed parts are drawn again. With --only and
---rows, the document has only what was drawn. --package draws with another @multum/three, but BIN_FOLDER still converts
-the models. Needs Node.js, Chromium and the packages of tests/service/web.
+--rows, the document contains only the chosen models and rows. --package draws with another @multum/three, but
+BIN_FOLDER still converts the models. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
 import hashlib
@@ -38,7 +38,7 @@ for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
     ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
              for n in COUNTS}
 ROWS_AT_ONCE = 6  # what a browser draws before it is kept
-# Files of the package that a row depends on.
+# Files of the package on which a row depends.
 POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
 
 

@@ -75,6 +75,6 @@ def byte_text(report):
         texts.append(f"{name} {megabytes(sum(one['bytes'].get(kind, 0) for one in report['textures']))}")
     fitted = sum(one["fitted"] for one in report["materials"])
     before, after = (megabytes(report[key]) for key in ("bytes_before", "bytes_after"))
-    return (f"The model file has {before} before and {after} after the conversion. "
+    return (f"The size of the model file is {before} before the conversion and {after} after it. "
             f"Fitted materials: {fitted} of {len(report['materials'])}; texture sets: "
             f"{len(report['textures'])}. {', '.join(texts)}.")

@@ -49,7 +49,7 @@ class Bakes:
 
 
 def line(low, high):
-    """Returns constant and slope of the line through (2 lobes, low) and (4 lobes, high), neither below 0."""
+    """Returns constant and slope of the line through (2 lobes, low) and (4 lobes, high), each at least 0."""
     slope = max(0.0, (high - low) / 2.0)
     return max(0.0, high - 4.0 * slope), slope
 
@@ -73,7 +73,7 @@ def measure(bakes):
     found["kFitCoarse"] = max(0.0, four["fit"] - level_sum(four, range(1, 6)))
     found["kColourFactor"] = max(0.0, coloured["fit"] / four["fit"] - 1.0)
     found["kWriteTexture"] = four["write"] / (4.0 * 4.0 / 3.0)  # lobes, levels
-    # Lambert costs a third of an exponent; a bake measures one Lambert and three exponents.
+    # Lambert costs a third as much as an exponent. A bake measures Lambert once, and three exponents.
     found["kMeasureExponent"] = four["measure"] / (3.0 + 1.0 / 3.0)
     found["kMeasureLambert"] = found["kMeasureExponent"] / 3.0
     found["kFixedMs"] = fixed

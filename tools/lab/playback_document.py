@@ -6,9 +6,9 @@
         -o docs/evidence/PLAYBACK.md [--bin DIR] [--parts PART...] [--again PART...] [--measure-nothing]
 
 FIELD is a folder of ray-traced frames that `multum animation` can read (docs/reference/animation_jobs.md). Each field
-gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT divides a parameter that runs over two things.
+gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT splits one parameter into several parameters.
 
-Textures are inferred once, into DIR. Every figure becomes a row in the file of rows at once, with its commit. Existing
+Textures are inferred once, into DIR. Every figure is immediately stored in the file of rows, with its commit. Existing
 rows are not measured again unless --again names their part: videos of traced frames, for example, do not depend on
 multum. --measure-nothing makes the page only from the rows. Videos need Debian's ffmpeg, and playing needs dav1d's
 library. Without a browser, the browser's figures are left out.
@@ -30,7 +30,7 @@ PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder",
          "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
 RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
 GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
-# Name, options of `multum pack`, colour and dash of the curve.
+# Each row: name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
 # Options that switch off one part of the encoder each. Names are keys of rows.
@@ -94,7 +94,7 @@ class FieldMeasurement:
     """Measures one field: its traced frames, and frames drawn from inferred textures."""
 
     def __init__(self, name, job, inferred, programs, rows, stated):
-        """`stated`: the ratios of tables."""
+        """`stated`: the ratios that tables list."""
         from fields import Field
         self.name, self.inferred, self.programs, self.rows = name, inferred, programs, rows
         self.stated, self.main = stated, ["--ratio", f"{stated[len(stated) // 2]:g}"]
@@ -120,7 +120,7 @@ class FieldMeasurement:
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
     def packed_at_main(self, options):
-        """Like packed(), at the main ratio; takes the row of a curve if there is one."""
+        """Does the same as packed(), at the main ratio. Uses the row of a curve if there is one."""
         curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
         row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
         if row:
@@ -137,7 +137,7 @@ class FieldMeasurement:
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
     def measure_videos(self, video_codecs, beginnings):
-        """`beginnings`: beginnings of names of codecs, or None for all."""
+        """`beginnings`: prefixes of codec names, or None for all codecs."""
         from fields import mse
         for codec in video_codecs.CODECS:
             if beginnings and not codec.name.startswith(tuple(beginnings)):
@@ -164,8 +164,8 @@ class FieldMeasurement:
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
     def measure_dimensions(self, video_codecs, ratios):
-        """Measures the field with only its first two parameters, at the middle of the others, and then with one more
-        each time."""
+        """Measures the field with only its first two parameters, at the middle samples of the others, and then with one
+        more parameter each time."""
         from parameter_grid import with_leading_parameters
         names = self.field.parameters
         for kept in range(2, len(names) + 1):
@@ -182,8 +182,8 @@ class FieldMeasurement:
             self.rows.measured(self.name, "dimension", ", ".join(names[:kept]), measure)
 
     def errors_of_growth(self, video_codecs, ratios):
-        """Returns `at`: for each ratio, errors of the packed field, in all and against inferred textures, and of a
-        video."""
+        """Returns `at`: for each ratio, the total error of the packed field, its error against inferred textures, and
+        the error of a video."""
         from fields import mse
         points = []
         for ratio in ratios:
@@ -194,8 +194,8 @@ class FieldMeasurement:
         return {"own": mse(self.own, self.traced), "at": points}
 
     def stated_errors(self, inferred):
-        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; takes rows of
-        a curve if there are any."""
+        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; uses rows of a
+        curve if there are any."""
         result = {}
         for ratio in self.stated:
             row = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {ratio:g}:1") if inferred is None else None
@@ -219,7 +219,7 @@ class FieldMeasurement:
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps`: keep textures of all ways in the work folder. `ways`: only the first ways of INFERENCES."""
+        """`keeps`: whether to keep the textures of all ways in the work folder. `ways`: number of INFERENCES to use."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
@@ -302,11 +302,9 @@ def number(value, digits=1):
 
 
 def field_words(row):
-    counts = " x ".join(f"{count} of {name}" for count, name in zip(row["counts"], row["parameters"]))
+    counts = " x ".join(f"{count} values of {name}" for count, name in zip(row["counts"], row["parameters"]))
     return (f"The field has {math.prod(row['counts'])} samples ({counts}) of {row['width']} x {row['height']} pixels. "
-            f"Its "
-            "objects are "
-            f"{', '.join(row['objects'])}. The raw 24-bit frames have {row['raw_bytes']:,} bytes.")
+            f"Its objects are {', '.join(row['objects'])}. The raw 24-bit frames need {row['raw_bytes']:,} bytes.")
 
 
 def curves_of(rows, name, codec_names):
@@ -359,9 +357,8 @@ def curves_section(rows, name, video_codecs, stated, pictures):
                                 key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))
               if "refused" not in row]
     return [f"![MSE over compression](images/{file.name})", at_stated,
-            f"Brackets contain the ratio to {spoken(video_codecs.LEADING)}. \"-\" means that the curve does not reach "
-            f"this "
-            "compression. " + said,
+            f"Brackets contain the MSE divided by the MSE of {spoken(video_codecs.LEADING)}. \"-\" means that the "
+            "curve does not reach this compression. " + said,
             "<details><summary>All points of the curves</summary>\n\n" +
             table(["encoder", "bytes", "compression", "MSE", "MSE against inferred textures"], points) +
             "\n\n</details>"]
@@ -412,7 +409,8 @@ def inference_section(rows, name, stated):
             cells.append(f"{one['mse']:.1f} ({one['part']:.2f})" if one else "-")
         share = next(p["pixels"] for p in found[0]["places"] if (p["object"], p["place"]) == key)
         lines.append([f"{key[0] or 'nothing'}, {key[1]}", f"{100 * share:.1f}", *cells])
-    parts.append(table(["MSE of the pixels (part)", "% of pixels", *[shown(row["name"]) for row in found]], lines))
+    parts.append(table(["MSE of the pixels (part)", "share of pixels, %",
+                        *[shown(row["name"]) for row in found]], lines))
     return parts
 
 
@@ -429,9 +427,8 @@ def costs_section(rows, name, main):
                   [line("`multum infer` without frames and comparison", field),
                    *[line(f"`multum pack --ratio {main:g} --threads {row['threads']}`", row) for row in found]]),
             f"Packing takes {found[-1]['processor_seconds'] / field['processor_seconds']:.2f} times the processor "
-            f"seconds "
-            "of inference. Other programs possibly ran on the machine at the same time. The memory is the peak memory "
-            "of one process."]
+            "seconds of inference. Other programs possibly ran on the machine at the same time. The memory is the peak "
+            "memory of one process."]
 
 
 def dimensions_section(rows, name, leading):
@@ -469,10 +466,9 @@ def document(rows, names, video_codecs, stated, machine, pictures):
              f"Generated by `tools/lab/playback_document.py` ({machine}). Do not edit.",
              "The section of each field lists the commits at which the field was measured. Rows are measured again "
              "only after changes that affect them.",
-             "A field is a set of ray-traced frames over some parameters "
-             "([animation jobs](../reference/animation_jobs.md)). `multum infer` infers textures from the frames, "
-             "`multum "
-             "pack` packs the textures, and `multum-view sample` unpacks and draws them.",
+             "A field is a set of ray-traced frames for different values of some parameters ([animation "
+             "jobs](../reference/animation_jobs.md)). `multum infer` infers textures from the frames, `multum pack` "
+             "packs the textures, and `multum-view sample` unpacks and draws them.",
              "- *MSE*: mean squared error of red, green and blue in 8-bit values at gamma 2.2, compared with the "
              "traced frames. The mean includes all pixels of all samples, also silhouettes.\n"
              "- *Compression*: size of the raw 24-bit frames, divided by the total file size without the geometry of "
@@ -482,8 +478,8 @@ def document(rows, names, video_codecs, stated, machine, pictures):
              "- Codecs: AV1 is `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
              "quality, BT.709 4:4:4, 10 bit and full range. AVIF codes each frame separately, with `-usage allintra`. "
              "The column *bytes* lists the size of the stream without a container.\n"
-             "- Access: with a key frame every 64 frames, a random sample needs up to 64 decoded frames. A chunk of "
-             "`multum pack` can be decoded independently of other chunks.\n"
+             "- Access: with a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A chunk "
+             "of `multum pack` can be decoded independently of other chunks.\n"
              "- Values between measured points are interpolated linearly in the logarithms of compression and MSE."]
     for name in names:
         row = rows.find(name, "field", "inferred")
@@ -491,11 +487,10 @@ def document(rows, names, video_codecs, stated, machine, pictures):
             continue
         commits = ", ".join(sorted({one["commit"].removeprefix("commit ") for one in rows.all if one["field"] == name}))
         parts += [f"## {name}", f"{field_words(row)} Measured at {commits}.",
-                  f"Every packed file also needs the geometry, which is not included in the compression ratio: "
-                  f"`{row['geometry']}`, "
-                  f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn from "
-                  f"the "
-                  f"inferred textures, without packing, have an MSE of {row['own']:.1f}.",
+                  "Every packed file also needs the geometry, which is not included in the compression ratio: "
+                  f"`{row['geometry']}`, {row['geometry_bytes']:,} bytes, or {row['geometry_deflated_bytes']:,} bytes "
+                  "after deflation. Frames drawn from the inferred textures, without packing, have an MSE of "
+                  f"{row['own']:.1f}.",
                   *curves_section(rows, name, video_codecs, stated, pictures), *coder_section(rows, name, main),
                   *inference_section(rows, name, stated), *costs_section(rows, name, main),
                   *dimensions_section(rows, name, video_codecs.LEADING),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measured figures that README.md and the pages of docs/ quote, made from docs/evidence.
 
-A page has each of them between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
+A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
 from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
 docs/explanation have no measured figure outside the marks. The check needs only the standard library: neither the
 programs nor the real maps.
@@ -30,7 +30,7 @@ EVALUATED = "-points"  # the ending of methods that are shaded at as many points
 
 
 class Unreadable(Exception):
-    """A page or JSON file does not have the row or the number that a figure comes from."""
+    """A page or JSON file does not contain the row or number that a figure needs."""
 
 
 def percent(share):
@@ -38,7 +38,8 @@ def percent(share):
 
 
 def roughness(exponent):
-    """Perceptual roughness of Blinn-Phong with this exponent: alpha^2 = 2 / (s + 2), roughness = sqrt(alpha)."""
+    """Returns the perceptual roughness of Blinn-Phong with this exponent: alpha^2 = 2 / (s + 2), roughness =
+    sqrt(alpha)."""
     return f"{(2 / (exponent + 2)) ** 0.25:.2f}"
 
 
@@ -48,7 +49,7 @@ def table(head, *rows):
 
 
 def row_of(root, page, pattern):
-    """The groups of the only match in docs/evidence/PAGE."""
+    """Returns the groups of the only match in docs/evidence/PAGE."""
     found = re.findall(pattern, (root / "docs/evidence" / page).read_text(), re.MULTILINE)
     if len(found) != 1:
         raise Unreadable(f"docs/evidence/{page}: found {len(found)} lines '{pattern}', expected 1")
@@ -56,13 +57,13 @@ def row_of(root, page, pattern):
 
 
 def section_of(root, page, title):
-    """The text under a heading of docs/evidence/PAGE, up to the next heading of this or a higher level."""
+    """Returns the text under a heading of docs/evidence/PAGE, up to the next heading of this or a higher level."""
     level = title.partition(" ")[0]
     return row_of(root, page, rf"(?s)^{title}[^\n]*\n(.*?)(?=^#{{1,{len(level)}}} |\Z)")
 
 
 def cells_of(root, page, text, name):
-    """The cells after the first in the first row of figures whose first cell matches."""
+    """Finds the first row of figures whose first cell matches; returns its other cells."""
     found = re.search(rf"^\| *(?:{name}) *\| *(\d.*)\|$", text, re.MULTILINE)
     if not found:
         raise Unreadable(f"docs/evidence/{page}: found no row '{name}', expected one")
@@ -70,7 +71,7 @@ def cells_of(root, page, text, name):
 
 
 def error_of(row, method, ending=""):
-    """The error of a method in one picture. LEAN is the better of its variants, with the Jacobian and as printed."""
+    """Returns the error of a method in one picture: for LEAN, the lower error of its two variants."""
     if method == "lean":
         return min(row["lean" + ending], row["lean-jacobian" + ending])
     if ending and method == "mip":
@@ -79,7 +80,7 @@ def error_of(row, method, ending=""):
 
 
 def best_rival(row):
-    """The lowest error of all rivals at equal evaluations."""
+    """Returns the lowest error of all rivals with an equal number of evaluations."""
     return min(error_of(row, "lean", EVALUATED), error_of(row, "toksvig", EVALUATED), row["points"])
 
 
@@ -102,7 +103,7 @@ far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wi
 {rows}
 
 *Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps.
-Brackets contain the error of the same method with as many evaluations of light per pixel as the lobes. The reference
+Brackets contain the error of the same method with as many evaluations of light per pixel as lobes need. The reference
 has {made_of["samples"]} samples per pixel; the noise of the reference is {percent(made_of["noise"])}. Normal map:
 {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
@@ -119,7 +120,7 @@ ROUGHNESSES = ("0.1", "0.25", "0.5")
 
 
 def by_roughness(_figures, root):
-    """Errors of highlights on levels 2, 4 and 6, medians over the maps."""
+    """Makes a table of highlight errors on levels 2, 4 and 6: medians over the maps."""
     text = (root / "docs/evidence/EXPORT.md").read_text()
     maps = row_of(root, "EXPORT.md", r"\b(\d+) (?:real |normal )?maps (?:of|in|from) `?shared/data/normal")
     rows = []
@@ -132,7 +133,7 @@ def by_roughness(_figures, root):
 
 
 def by_lobes(_figures, root):
-    """Errors of texels by the number of lobes, medians over maps and levels."""
+    """Makes a table of texel errors by the number of lobes: medians over maps and levels."""
     text = section_of(root, "ACCURACY.md", "### By channels")
     exponents = re.search(r"s = (\d+) .*s = (\d+) .*s = (\d+) ", text).groups()
     rows = []
@@ -141,7 +142,7 @@ def by_lobes(_figures, root):
                         ("2 lobes", "2 lobes"), ("4 lobes", "4 lobes"), ("6 lobes", "6 lobes")):
         channels, *errors = cells_of(root, "ACCURACY.md", text, name)
         rows.append([label, channels, *(error.partition(" ")[0] + " %" for error in reversed(errors))])
-    head = ["texels hold", "channels", *(f"roughness {roughness(int(s))} (s = {s})" for s in reversed(exponents))]
+    head = ["data per texel", "channels", *(f"roughness {roughness(int(s))} (s = {s})" for s in reversed(exponents))]
     return "\n" + table(head, *rows) + "\n"
 
 
@@ -170,7 +171,7 @@ def default_errors(figures):
 
 
 def equal_evaluations(figures, _root):
-    """Median errors of all methods at equal evaluations of light."""
+    """Makes a table of median errors of all methods with an equal number of evaluations of light."""
     rows = default_errors(figures).values()
     median = {m: percent(statistics.median(error_of(row, m, EVALUATED) for row in rows)) for m in LABELS}
     return (f"{median['multum']} with four lobes, {median['lean']} with LEAN, {median['toksvig']} with Toksvig's rule "
@@ -184,7 +185,8 @@ def closest_of(figures, _root):
 
 
 def little_gain(figures, _root):
-    """Counts maps on which the best rival is better than multum or within two points, at equal evaluations."""
+    """Counts maps on which the best rival is better than multum or within two points, with an equal number of
+    evaluations."""
     rows = default_errors(figures).values()
     few = sum(best_rival(row) - row["multum"] < 0.02 for row in rows)
     return f"{few} of {len(rows)} maps"
@@ -200,8 +202,8 @@ MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader 
 
 
 def models(_figures, root):
-    """Errors above the floor over those of plain mips: medians over views from 5 m and farther."""
-    head, columns = ["three.js draws"], []
+    """Makes a table of (error - floor) / (error of plain mips - floor): medians over views from 5 m and farther."""
+    head, columns = ["drawn by three.js"], []
     for title, words in MODEL_SETS:
         text = section_of(root, "GLTF_MODELS.md", title)
         cells = [cells_of(root, "GLTF_MODELS.md", text, name) for _, name in MODEL_ROWS]
@@ -214,7 +216,7 @@ def models(_figures, root):
 
 
 def default_mib(side, bytes_per_texel):
-    """MiB of a square texture with all of its levels."""
+    """Returns the MiB of a square texture with all of its levels."""
     texels, level = 0, side
     while level >= 1:
         texels, level = texels + level * level, level // 2
@@ -222,13 +224,13 @@ def default_mib(side, bytes_per_texel):
 
 
 def gpu_frames(root, row):
-    """Milliseconds of a frame in docs/evidence/GPU.md, trilinear and 16 x anisotropic."""
+    """Returns the milliseconds of a frame in docs/evidence/GPU.md, trilinear and 16 x anisotropic."""
     return " / ".join(row_of(root, "GPU.md", rf"^\| {row} +\| {anisotropy} +\| [\d.]+ +\| ([\d.]+)")
                       for anisotropy in (1, 16))
 
 
 def block_mib(side, root):
-    """MiB of four lobes in BC5 with all levels, and of level 0 of the BC5 normal map that they need."""
+    """Returns the MiB of four lobes in BC5 with all levels, plus level 0 of the BC5 normal map that they need."""
     share = float(row_of(root, "LOBE_TEXTURES.md", r"^\| 4 \| BC5 \| ([\d.]+) "))
     return share * default_mib(side, 1.5) + side * side / 2**20
 
@@ -273,7 +275,7 @@ def texel_bytes(figures, _root):
 
 
 def whole_bakes(root):
-    """Seconds and MiB of memory of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the number of cores."""
+    """Returns the seconds and MiB of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the core count."""
     title = "A whole bake compared with maketx, 4096 x 4096"
     section = row_of(root, "BENCHMARKS.md", rf"(?s)^## {title}\n(.*?)(?=^## |\Z)")
     programs = [re.search(rf"^\| {name} +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)", section, re.MULTILINE)
@@ -296,7 +298,7 @@ def bake_costs(_figures, root):
 
 
 def worst_levels(_figures, root):
-    """The error of each map's worst level with 4 lobes, by roughness."""
+    """Makes a table of the error of each map's worst level with 4 lobes, by roughness."""
     section = row_of(root, "ACCURACY.md", r"(?s)^### 4 lobes: (.*?)(?=^### )")
     worst = {}
     for name, exponent, cells in re.findall(r"^\| (\S+) \| (\d+) \| (.*) \|$", section, re.MULTILINE):
@@ -305,7 +307,7 @@ def worst_levels(_figures, root):
     exponents = sorted(worst, reverse=True)
     sharpest = worst[exponents[0]]
     name = max(sharpest, key=sharpest.get)
-    head = ["error on a map's worst level, 4 lobes", *(f"roughness {roughness(s)} (s = {s})" for s in exponents)]
+    head = ["error of a map's worst level, with 4 lobes", *(f"roughness {roughness(s)} (s = {s})" for s in exponents)]
     medians = [f"median of {len(sharpest)} real maps",
                *(f"{statistics.median(worst[s].values()):.1f} %" for s in exponents)]
     return "\n" + table(head, medians, [f"worst map, `{name}`", *(f"{worst[s][name]:.1f} %" for s in exponents)]) + "\n"

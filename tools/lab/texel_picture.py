@@ -25,7 +25,7 @@ NAMES = ("reference", "averaged normal", "one lobe", "four lobes")
 
 
 def level_of(path, part, level):
-    """All channels of one mip level of a part, and their names."""
+    """Returns all channels of one mip level of a part, and their names."""
     image = oiio.ImageInput.open(path)
     subimage = 0
     while image.seek_subimage(subimage, 0) and image.spec().getattribute("oiio:subimagename") != part:
@@ -36,7 +36,7 @@ def level_of(path, part, level):
 
 
 def scaled(values):
-    """Values from -1 to 1: snorm16 files hold whole numbers up to 32767."""
+    """Returns values from -1 to 1; snorm16 files store integers up to 32767."""
     return values / 32767 if np.abs(values).max() > 2 else values
 
 
@@ -45,7 +45,7 @@ def mean_cosine(kappa):
 
 
 def kappa_of(cosine):
-    """The inverse of mean_cosine, by bisection."""
+    """Returns the inverse of mean_cosine, by bisection."""
     low, high = np.full_like(cosine, 1e-3), np.full_like(cosine, 1e6)
     for _ in range(80):
         middle = np.sqrt(low * high)
@@ -59,7 +59,8 @@ def power(cosines, exponent):
 
 
 def lobe_highlight(vectors, half, exponent):
-    """The highlight of lobes (a r, a): a sharp cosine power and a broad von Mises-Fisher lobe, mixed by width."""
+    """Returns the highlight of lobes (a r, a): a sharp cosine power and a broad von Mises-Fisher lobe, mixed by
+    width."""
     shown = 0
     for *moment, amplitude in vectors:
         length = np.linalg.norm(moment)
@@ -76,7 +77,7 @@ def lobe_highlight(vectors, half, exponent):
 
 
 def highlights(normals, lobes, half, exponent):
-    """The four panels of a texel, each a value per half vector."""
+    """Returns the four panels of a texel, with one value per half vector."""
     reference = power(half @ normals.T, exponent).mean(axis=-1)
     mean = normals.mean(axis=0)
     return (reference, power(half @ (mean / np.linalg.norm(mean)), exponent),
@@ -84,14 +85,14 @@ def highlights(normals, lobes, half, exponent):
 
 
 def half_vectors(side):
-    """The half vector of each pixel of a panel, and whether the pixel is inside the disc."""
+    """Returns the half vector of each pixel of a panel, and whether the pixel is inside the disc."""
     y, x = np.mgrid[RADIUS:-RADIUS:side * 1j, -RADIUS:RADIUS:side * 1j]
     inside = x * x + y * y <= RADIUS * RADIUS
     return np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1), inside
 
 
 def texels_of(path, level):
-    """The normals and the lobes of every texel of a level."""
+    """Returns the normals and the lobes of every texel of a level."""
     finest, names = level_of(path, "finest", 0)
     x, y = (scaled(finest[..., next(i for i, name in enumerate(names) if f"normal{axis}" in name)]) for axis in "XY")
     normals = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Checks that every run of multum gives the pixels of the first run, so that all times are for the same work.
+// Checks that every run of multum produces the same pixels as the first run, so that all times are for the same work.
 void check_same(std::string& first, const std::string& path) {
   const std::string found = read_movmf_header(path).header.provenance.content_hash;
   if (first.empty()) first = found;
@@ -100,10 +100,9 @@ ResultView view_bake(const Json& result) {
       fmt::format("A whole bake compared with maketx, {0} x {0}{1}", result.at("size").get<int>(),
                   result.contains("instructions") ? ", " + result["instructions"].get<std::string>() : ""),
       fmt::format("Both programs read the four-quarter map from a 16-bit PNG and write a file that is synced to disk "
-                  "({}). A is "
-                  "`{}`. B is `{}` (OpenImageIO {}). After one untimed run of each program, A and B ran in {} pairs, "
-                  "and each ratio compares the two runs of a pair. *CPU* is user and system time. maketx reads the "
-                  "PNG's normals as signed numbers, so only its costs can be compared, not its slopes.",
+                  "({}). A is `{}`. B is `{}` (OpenImageIO {}). After one untimed run of each program, A and B ran in "
+                  "{} pairs, and each ratio compares the two runs of a pair. *CPU* is user and system time. maketx "
+                  "reads the PNG's normals as signed numbers, so only its costs can be compared, not its slopes.",
                   result.at("file_system").get<std::string>(), ours.at("command").get<std::string>(),
                   theirs.at("command").get<std::string>(), theirs.at("version").get<std::string>(),
                   result.at("repetitions").get<int>()),

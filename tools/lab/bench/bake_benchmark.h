@@ -15,13 +15,13 @@
 namespace multum::bench {
 
 struct BakeBenchmarkOptions {
-  int size = 4096;                           // map side, even
-  int lobes = 4;                             // 1..8
-  int repetitions = 5;                       // pairs of runs
-  int threads = 0;                           // for both programs; 0: all cores
-  std::string folder;                        // for files; empty: the system's temporary folder
-  std::vector<std::string> bake_options;     // more options of `multum bake`
-  std::optional<Instructions> instructions;  // for the kernels; nullopt: the widest of the processor
+  int size = 4096;                           // side of the map, an even number
+  int lobes = 4;                             // number of lobes, 1 to 8
+  int repetitions = 5;                       // number of pairs of runs
+  int threads = 0;                           // threads of both programs; all cores if 0
+  std::string folder;                        // folder for files; the system's temporary folder if empty
+  std::vector<std::string> bake_options;     // additional options of `multum bake`
+  std::optional<Instructions> instructions;  // instructions of the kernels; the processor's widest if nullopt
 };
 
 /// Runs each program once untimed first, to compile kernels and to fill the page cache. Throws Error(kVerification) if

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// States what was built and how, so that measurements can be repeated. Every build writes it anew
+// States what was built and how, so that measurements can be repeated. Every build updates this information
 // (write_build_info.cmake).
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace multum::bench {
 
-/// The abbreviated commit. "-dirty" is appended if tracked files, except for documents, differed from it. "unknown"
-/// outside a repository.
+/// Returns the abbreviated commit, or "unknown" outside a repository. Appends "-dirty" if tracked files other than
+/// documents differed from the commit.
 std::string built_commit();
 
-std::string compiler_name();  // "GNU 12.2.0, Release"
+std::string compiler_name();  // such as "GNU 12.2.0, Release"
 
 }  // namespace multum::bench

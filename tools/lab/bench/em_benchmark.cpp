@@ -130,7 +130,8 @@ class LevelBench {
     return result_;
   }
 
-  // Mean |difference| of a r and a between the two programs, to check that both did the same work.
+  // Returns the mean absolute difference of `a r` and `a` between the two programs. It shows whether both did the same
+  // work.
   double mean_difference() {
     const std::vector<MultumVmfLobe>& found = kernel_result();
     const std::size_t texels = found.size() / lobes_;
@@ -163,7 +164,8 @@ class LevelBench {
 
 using Json = nlohmann::ordered_json;
 
-// Tries all cores, half and a quarter of them: with little work, waking threads costs more than it saves.
+// Tries all cores, half of the cores and a quarter of the cores. With little work, waking a thread costs more time
+// than the thread saves.
 int fastest_threads(LevelBench& bench, Instructions instructions) {
   int best = core_count();
   double least = 0.0;
@@ -180,7 +182,7 @@ int fastest_threads(LevelBench& bench, Instructions instructions) {
 }
 
 Json run_kernels(LevelBench& bench, int level, int repetitions) {
-  bench.time_kernels();  // compiles, fills caches
+  bench.time_kernels();  // untimed: compiles kernels and fills caches
   std::vector<double> times;
   for (int i = 0; i < repetitions; ++i) times.push_back(bench.time_kernels());
   return {{"level", level}, {"kernels_ms", spread_of(times).median}};
@@ -189,7 +191,7 @@ Json run_kernels(LevelBench& bench, int level, int repetitions) {
 Json run_level(LevelBench& bench, int level, const EmBenchmarkOptions& options, Instructions instructions) {
   if (!options.yardstick) return run_kernels(bench, level, options.repetitions);
   const int repetitions = options.repetitions;
-  bench.time_kernels();  // compiles, fills caches
+  bench.time_kernels();  // untimed: compiles kernels and fills caches
   const int threads = options.threads > 0 ? options.threads : fastest_threads(bench, instructions);
   omp_set_num_threads(threads);
   bench.time_yardstick(instructions);
@@ -223,7 +225,7 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   Device device = Device::open(options.device);
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
   MovmfSettings settings;
-  make_reference(settings);  // every normal at every level
+  make_reference(settings);  // use every normal at every level
   settings.lobe_count = options.lobes;
   const MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::vector<MultumVmfLobe> parent(static_cast<std::size_t>(options.lobes));
@@ -236,8 +238,8 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   ContentHash hash;
   for (const LevelSchedule& level : schedule.levels) {
     if (level.fit.parent_width == 0) continue;  // the coarsest level has no parent, so another program starts it
-    progress_advance(progress, 0);              // a chance to cancel
-    // Each level starts from the level above it, as fitted by the kernels.
+    progress_advance(progress, 0);              // lets the user cancel
+    // Each level starts from the next coarser level, which the kernels have fitted.
     LevelBench bench(device, map, level, parent, options);
     levels.push_back(run_level(bench, level.level, options, instructions));
     parent = bench.kernel_result();

@@ -13,17 +13,18 @@
 namespace multum::bench {
 
 struct EmBenchmarkOptions {
-  int size = 512;  // map side, a power of two, 64..4096
-  int lobes = 6;   // 4, 6 or 8
+  int size = 512;  // side of the map, a power of two from 64 to 4096
+  int lobes = 6;   // number of lobes: 4, 6 or 8
   int iterations = 10;
   int repetitions = 7;
-  int threads = 2;        // for the yardstick, and for a processor as device; 0: the fastest number per level
-  std::string device;     // as for Device::open()
-  bool yardstick = true;  // false: only the kernels
-  std::optional<Instructions> instructions;  // for both; nullopt: the widest of the processor
+  int threads = 2;        // threads of the yardstick and of a processor device; the fastest number per level if 0
+  std::string device;     // name of a device, as in Device::open()
+  bool yardstick = true;  // whether to run the yardstick too
+  std::optional<Instructions> instructions;  // instructions of both programs; the processor's widest if nullopt
 };
 
-/// Returns milliseconds of both per level, their ratios, the sums over levels, and the mean difference of results.
+/// Returns milliseconds of both programs per level, their ratios, the sums over levels, and the mean difference
+/// between the results.
 nlohmann::ordered_json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress);
 
 ResultView view_em(const nlohmann::ordered_json& result);

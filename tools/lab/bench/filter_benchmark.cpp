@@ -39,13 +39,13 @@ constexpr float kBiases[] = {0.0f, -0.25f, -0.5f, -0.79f};
 constexpr int kShadedTaps[] = {2, 4};
 constexpr int kEvaluations[] = {1, 2, 4, 8, 16};
 constexpr float kEvaluatedBiases[] = {-0.5f, -0.79f};
-constexpr int kFlickerEvaluations = 4;  // motions of other budgets are not drawn
+constexpr int kFlickerEvaluations = 4;  // motions are drawn only with this budget
 constexpr std::size_t kTimedMaps = 4;
-constexpr std::size_t kFlickerEvery = 4;  // motions are drawn on every fourth map: they take the longest
+constexpr std::size_t kFlickerEvery = 4;  // motions are drawn only for every fourth map: they take the most time
 constexpr int kTimedRuns = 3;
-constexpr int kFrameCount = 3;  // of a motion
+constexpr int kFrameCount = 3;  // number of frames per motion
 
-// The view of `tools/lab/reproduce maps`.
+// Returns the view of `tools/lab/reproduce maps`.
 gl::RenderScene plane_view() {
   gl::RenderScene scene;
   scene.uv_scale = kMapRepeats;
@@ -59,7 +59,7 @@ struct FilterSetting {
   int taps;
   float bias;
   bool shades_taps;
-  int evaluations = 0;  // of light per pixel; 0: by taps
+  int evaluations = 0;  // evaluations of light per pixel; 0 if the taps decide
 
   gl::TextureFilter filter() const { return {taps, bias, shades_taps, false, evaluations}; }
   bool flickers() const {
@@ -82,7 +82,8 @@ std::vector<FilterSetting> all_settings() {
   return settings;
 }
 
-// A camera that moves forwards, moves to the side or turns, by a part of a pixel up to a few pixels per frame.
+// Returns a camera that moves forwards, moves to the side or turns. The picture moves by a fraction of a pixel up to a
+// few pixels per frame.
 gl::RenderScene moved_view(const std::string& motion, int frame) {
   gl::RenderScene scene = plane_view();
   const auto t = static_cast<float>(frame);
@@ -126,7 +127,7 @@ std::vector<MapFile> find_maps(const FilterBenchmarkOptions& options, const Scra
   return maps;
 }
 
-// Assumes green up if the map's statistics do not decide.
+// Assumes green up if the map's statistics do not show the direction.
 MovmfMipmap bake_and_read(const FilterBenchmarkOptions& options, const ScratchFolder& folder, const MapFile& map,
                           int lobe_count, Progress* progress) {
   const std::string file = folder / "lobes.ndf.exr";
@@ -144,8 +145,8 @@ MovmfMipmap bake_and_read(const FilterBenchmarkOptions& options, const ScratchFo
 struct Method {
   std::string name;
   gl::Material* material;
-  std::optional<gl::Baseline> baseline;  // of NormalMaterial
-  bool flickers;                         // measured over motions too
+  std::optional<gl::Baseline> baseline;  // the baseline that NormalMaterial draws
+  bool flickers;                         // whether flicker is measured too
 };
 
 class MapStudy {
@@ -210,7 +211,7 @@ class MapStudy {
     result["pictures"] = rows;
   }
 
-  // Takes the lowest of several times, over all threads, so that other programs hardly count.
+  // Returns the lowest of several processor times of all threads, which other programs hardly affect.
   double frame_processor_ms(const Method& method, const gl::RenderScene& scene) {
     double least = 1e30;
     for (int i = 0; i < kTimedRuns; ++i) {

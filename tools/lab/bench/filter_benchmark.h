@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures texture filters on baked maps: errors of pictures, flicker between frames and frame times by taps, level
-// bias
-// and number of lobes, next to other methods. The source of docs/evidence/FILTER.md.
+// Measures texture filters on baked maps, next to other methods: picture errors, flicker between frames and frame
+// times, by taps, level bias and number of lobes. The results are the source of docs/evidence/FILTER.md.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,17 +14,17 @@
 namespace multum::bench {
 
 struct FilterBenchmarkOptions {
-  std::string maps;  // folder of normal maps; empty: the generated four quarters
+  std::string maps;  // folder of normal maps; the generated four-quarter map if empty
   std::vector<int> lobe_counts = {4, 6};
-  int width = 320, height = 240;  // of the pictures for errors; flicker has half of each
-  int map_size = 256;             // side of the four quarters
+  int width = 320, height = 240;  // size of pictures for errors; pictures for flicker have half the width and height
+  int map_size = 256;             // side of the four-quarter map
   int maps_max = 1000;
-  // Noise of reference pictures, relative L1. Blended references may have twice as much, references for flicker three
-  // times as much.
+  // Largest noise of reference pictures, as relative L1. Blended references can have twice as much noise, and
+  // references for flicker three times as much.
   double noise_max = 0.005;
-  std::string device;  // that bakes
+  std::string device;  // device that bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
-  std::string folder;  // for temporary bakes; empty: the system's temporary folder
+  std::string folder;  // folder for temporary bakes; the system's temporary folder if empty
 };
 
 /// For each map and setting, returns the relative L1 error of the picture against the reference (finest texels as
@@ -33,6 +32,6 @@ struct FilterBenchmarkOptions {
 /// processor milliseconds per frame, over all threads of a software GL.
 nlohmann::ordered_json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress);
 
-ResultView view_filters(const nlohmann::ordered_json& result);  // documents/filter_view.cpp
+ResultView view_filters(const nlohmann::ordered_json& result);  // defined in documents/filter_view.cpp
 
 }  // namespace multum::bench

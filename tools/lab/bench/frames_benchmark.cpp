@@ -30,14 +30,14 @@ using Json = nlohmann::ordered_json;
 constexpr int kLobesMax = 8;
 constexpr float kAnisotropies[] = {1.0f, 16.0f};
 
-// The default picture of `multum-view`: the map sixty times across a plane at a glancing angle.
+// The default picture of `multum-view`: sixty repetitions of the map across a plane, seen at a glancing angle.
 constexpr float kRepeats = 60.0f;
 
 gl::RenderScene plane_scene() {
   gl::RenderScene scene;
   scene.uv_scale = kRepeats;
   scene.brdf.exponent = 100.0f;
-  scene.filter.is_drivers = true;  // the benchmark times the driver's anisotropy
+  scene.filter.is_drivers = true;  // the benchmark measures the driver's anisotropic filter
   return scene;
 }
 
@@ -63,7 +63,7 @@ std::unique_ptr<gl::Material> read_harmonics(const gl::GlFunctions& functions, c
   return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(file), anisotropy);
 }
 
-// A method to draw, and its times.
+// A method that is drawn, and its frame times.
 struct Subject {
   std::string name;
   float anisotropy;
@@ -125,7 +125,7 @@ void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmar
   const gl::Mesh mesh(functions, horizon_plane(kRepeats));
   gl::Renderer renderer(functions, options.width, options.height);
   const gl::RenderScene scene = plane_scene();
-  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first compiles, and does not count
+  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first turn compiles shaders and does not count
     double first = 0.0;
     for (Subject& subject : subjects) {
       const gl::Picture picture = renderer.draw(mesh, *subject.material, scene);
@@ -175,16 +175,18 @@ ResultView view_frames(const Json& result) {
     table.add({row.at("name").get<std::string>(), fmt::format("{:.0f}", row.at("anisotropy").get<double>()),
                rounded_text(row.at("gpu_bytes").get<double>() / (1 << 20)),
                spread_text(parse_spread(row.at("draw_ms"))), spread_text(parse_spread(row.at("ratio")))});
-  return {"Frames",
-          fmt::format("Pictures of {} x {} pixels show the four-quarter map of {} x {} texels with all levels. The map "
-                      "is repeated {:.0f} times across a plane that runs to the horizon, with Blinn-Phong (s = 100) "
-                      "and one light. The driver's clock (GL_TIME_ELAPSED) measured the times. After one untimed run, "
-                      "each method ran {} times, alternating with the other methods. Averaged normals are drawn from "
-                      "two RGBA32F textures. Engines use BC5 normals and BC4 roughness instead, which draw faster; the "
-                      "table lists the memory of these BC5 and BC4 textures.",
-                      result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
-                      result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
-          table.text()};
+  return {
+      "Frames",
+      fmt::format(
+          "Pictures of {} x {} pixels show the four-quarter map of {} x {} texels with all levels. The map "
+          "is repeated {:.0f} times across a plane that runs to the horizon, with Blinn-Phong (s = 100) "
+          "and one light. The times were measured with the driver's timer (GL_TIME_ELAPSED). After one untimed run, "
+          "each method ran {} times, alternating with the other methods. Averaged normals are drawn from "
+          "two RGBA32F textures. Engines use BC5 normals and BC4 roughness instead, which draw faster; the "
+          "table lists the memory of these BC5 and BC4 textures.",
+          result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
+          result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
+      table.text()};
 }
 
 }  // namespace multum::bench

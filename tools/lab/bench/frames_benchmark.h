@@ -13,15 +13,16 @@
 namespace multum::bench {
 
 struct FramesBenchmarkOptions {
-  int size = 1024;  // map side, even
+  int size = 1024;  // side of the map, an even number
   int width = 1920, height = 1080;
-  int repetitions = 7;  // of every picture, alternately
-  std::string device;   // that bakes
+  int repetitions = 7;  // number of runs per picture; pictures alternate
+  std::string device;   // device that bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
-  std::string folder;  // for files; empty: the system's temporary folder
+  std::string folder;  // folder for files; the system's temporary folder if empty
 };
 
-/// Returns milliseconds by the driver's clock, bytes of textures, and the ratio to Toksvig's frame of the same turn.
+/// Returns milliseconds from the driver's timer, texture sizes in bytes, and the ratio to Toksvig's frame of the same
+/// turn.
 nlohmann::ordered_json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progress);
 
 ResultView view_frames(const nlohmann::ordered_json& result);

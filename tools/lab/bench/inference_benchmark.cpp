@@ -23,24 +23,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Stacks that differ in their ratio of entries. Rows of few entries share texels with many rows of other stacked
-// pictures. Averaged rows have many entries, and A^T A combines each with all others.
+// Stacks that differ in the ratio of the entries of A^T A to the entries of A. Rows with few entries share texels with
+// many rows of other pictures in the stack. Averaged rows have many entries, and A^T A combines each entry with all
+// others.
 struct StackShape {
   int views, sub_pixels;
 };
 constexpr StackShape kStacks[] = {{1, 1}, {2, 1}, {4, 1}, {8, 1}, {1, 2}, {2, 2},
                                   {4, 2}, {8, 2}, {1, 3}, {2, 3}, {1, 4}};
-// Contrast of the textures for timed solves, and for counted iterations. At the low contrast, conjugate gradient keeps
-// rarely seen texels within the bounds, although it overshoots many times, so both solvers do the same work.
+// Contrast of the textures for timed solves, and for counting iterations. At the low contrast, conjugate gradient
+// keeps rarely seen texels within the bounds, although it overshoots many times, so both solvers do the same work.
 constexpr double kTimedContrast = 0.02, kCountedContrast = 0.3;
-constexpr int kLaunchesATime = 4;  // per timed product, so that the final wait counts little
+constexpr int kLaunchesATime = 4;  // launches per timed product, so that the final wait hardly counts
 
 // Pictures of one texture, with their matrices stacked.
 struct Stack {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
   SparseRows rows, columns;
-  std::vector<float> colours, contrasted_colours;  // textures of both contrasts
+  std::vector<float> colours, contrasted_colours;  // textures with low and with high contrast
 
   Stack(int texture_side, int view_count, int sub_pixels, int threads) {
     for (int v = 0; v < view_count; ++v)
@@ -66,7 +67,7 @@ struct Stack {
     return result;
   }
 
-  // |A x - b| / |b|
+  // Returns |A x - b| / |b|.
   double residual(const std::vector<float>& texels) const {
     const std::vector<float> found = picture(texels);
     double above = 0.0, below = 0.0;
@@ -90,7 +91,8 @@ std::size_t count_at_bounds(const std::vector<float>& texels) {
       std::count_if(texels.begin(), texels.end(), [](float x) { return x <= 0.0f || x >= 1.0f; }));
 }
 
-// Settings for conjugate gradient with this many iterations, like the yardstick: no regularisers, one step.
+// Returns settings for this many iterations of conjugate gradient. As in the yardstick, there are no regularisers and
+// only one step.
 InferenceSettings plain_settings(int iterations, InferenceForm form) {
   InferenceSettings settings;
   settings.pyramid_weight = 0.0;
@@ -101,7 +103,7 @@ InferenceSettings plain_settings(int iterations, InferenceForm form) {
   return settings;
 }
 
-// Chooses the fastest variant by the better of two solves with a few iterations.
+// Solves twice with each variant, with a few iterations, and chooses the variant with the shortest solve.
 YardstickWay fastest_way(const Stack& stack, const std::vector<YardstickWay>& ways, const std::vector<float>& start) {
   YardstickWay fastest = ways.front();
   double least = std::numeric_limits<double>::infinity();
@@ -156,7 +158,7 @@ Json run_solver(Device& device, const Stack& stack, InferenceForm form, const In
   std::vector<float> expected;
   SolveTimes ours, theirs, threes, pyramids;
   for (int i = -1; i < options.repetitions; ++i) {
-    if (i == 0) ours = theirs = threes = pyramids = SolveTimes();  // the first round warmed caches up
+    if (i == 0) ours = theirs = threes = pyramids = SolveTimes();  // the first round only warms up caches
     ours.add(few, many, [&](int count) { found = (count == many ? whole : part).solve(stack.colours, start); });
     theirs.add(few, many, [&](int count) { expected = eigen->solve(stack.colours, start, count); });
     threes.add(few, many, [&](int count) { three_columns->solve(stack.colours, start, count); });
@@ -224,7 +226,7 @@ Json run_products(Device& device, const Stack& stack, const SparseRows& normal, 
   return result;
 }
 
-// Counts iterations to the solver's own tolerance; null if the limit is reached first.
+// Counts iterations until the solver's own tolerance is reached. Returns null if the iteration limit is reached first.
 Json run_convergence(Device& device, const Stack& stack, InferenceForm form, int threads) {
   Json result = Json::array();
   const std::vector<float> zero(3 * stack.texel_count(), 0.0f);

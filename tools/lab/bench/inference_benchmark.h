@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the solver of texture inference with Eigen's solver, alternately on the same systems (plane_views.h). There
-// are no regularisers and no texels at bounds, so both take the same steps. Also measures the basis of the solver's
-// choices: its products, iterations with and without preconditioner and start, and when A^T A pays off.
+// are no regularisers and no texels at bounds, so both solvers take the same steps. Also measures the data behind the
+// solver's choices: the times of its products, the iterations with and without preconditioner and start, and when A^T
+// A saves time.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,16 +14,16 @@
 namespace multum::bench {
 
 struct InferenceBenchmarkOptions {
-  int size = 512;       // texture side, a power of two, 32..2048
-  int views = 8;        // in the largest stack, 1..64
-  int iterations = 20;  // per timed solve, >= 4
-  int repetitions = 7;  // pairs of runs
+  int size = 512;       // side of the texture, a power of two from 32 to 2048
+  int views = 8;        // number of views in the largest stack, 1 to 64
+  int iterations = 20;  // iterations per timed solve, at least 4
+  int repetitions = 7;  // number of pairs of runs
   int threads = 2;
-  std::string device;  // as for Device::open()
+  std::string device;  // name of a device, as in Device::open()
 };
 
-/// Returns milliseconds per iteration of both, their ratio and the difference of their results; products; iterations;
-/// forms.
+/// Returns the milliseconds per iteration of both solvers, their ratio and the difference of their results. Also
+/// returns the results for products, counts of iterations and forms.
 nlohmann::ordered_json run_inference_benchmark(const InferenceBenchmarkOptions& options, Progress* progress);
 
 ResultView view_inference(const nlohmann::ordered_json& result);

@@ -25,7 +25,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr StorageEncoding kEncodings[] = {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat};
-// Every compression of a file. For zip: the fastest level, the default level of OpenEXR 3.1, and the highest.
+// Every compression of a file. For zip, the list contains the fastest level, the default level of OpenEXR 3.1, and the
+// highest level.
 constexpr const char* kCompressions[] = {"none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz"};
 
 double seconds_of(const std::function<void()>& body) {
@@ -45,9 +46,8 @@ struct Workplace {
   int threads;
 };
 
-// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows; with 0 threads, calls
-// do
-// the work themselves.
+// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows. With 0 threads, the
+// calling thread does the work itself.
 MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& times) {
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
   MovmfMipmap mipmap;
@@ -97,7 +97,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
   const ScratchFolder folder(options.folder);
   const MovmfMipmap baked = bake_as_floats(options, folder, progress);
   const Workplace at{*context, folder / "rounded.ndf.exr", threads};
-  FileTimes cold;  // the first file pays for starting threads and for new memory
+  FileTimes cold;  // times of the first file, which include starting threads and allocating memory
   measure_once(at, baked, kCompressions[0], cold);
   Json files = Json::array();
   ContentHash all;
@@ -106,7 +106,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
     mipmap.header.encoding = encoding;
     quantize_movmf(mipmap, threads);
     std::vector<FileTimes> times(std::size(kCompressions));
-    for (int i = 0; i < options.repetitions; ++i)  // in turns
+    for (int i = 0; i < options.repetitions; ++i)  // compressions alternate
       for (std::size_t c = 0; c < times.size(); ++c) {
         const std::string hash = measure_once(at, mipmap, kCompressions[c], times[c]);
         if (i == 0) all.update(hash);
@@ -145,15 +145,16 @@ ResultView view_load(const Json& result) {
       row.push_back(spread_text(parse_spread(file.at(key))));
     table.add(row);
   }
-  return {"Files: size, writing, reading, upload",
-          fmt::format("The file contains the four-quarter map of {0} x {0} texels with {1} lobes and all levels. "
-                      "*Write* includes the checksum, compression and the sync to disk ({2}) with {3} threads. *Read* "
-                      "reads the file from the page cache and decodes it to floats, with one thread and with {3}; "
-                      "multum-view uses all threads. *Upload* converts the data to GL textures as multum-view does, "
-                      "and waits until GL has finished. All encodings ran alternately, {4} times each.",
-                      result.at("size").get<int>(), result.at("lobes").get<int>(),
-                      result.at("file_system").get<std::string>(), threads, result.at("repetitions").get<int>()),
-          table.text()};
+  return {
+      "Files: size, writing, reading, upload",
+      fmt::format("The file contains the four-quarter map of {0} x {0} texels with {1} lobes and all levels. "
+                  "*Write* includes the checksum, compression and the sync to disk ({2}) with {3} threads. *Read* is "
+                  "the time to read the file from the page cache and to decode it to floats, with one thread and with "
+                  "{3}; multum-view uses all threads. *Upload* is the time to convert the data to GL textures as "
+                  "multum-view does, until GL has finished. All encodings ran alternately, {4} times each.",
+                  result.at("size").get<int>(), result.at("lobes").get<int>(),
+                  result.at("file_system").get<std::string>(), threads, result.at("repetitions").get<int>()),
+      table.text()};
 }
 
 }  // namespace multum::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times the reading of a baked file and its upload to GL as in multum-view, for every encoding and compression, with
-// sizes on disk and times of writing.
+// Measures the times to write a baked file, to read it, and to upload it to GL as in multum-view, for every encoding
+// and compression. Also reports file sizes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,12 +13,12 @@
 namespace multum::bench {
 
 struct LoadBenchmarkOptions {
-  int size = 1024;      // map side, even
-  int lobes = 4;        // 1..8
-  int repetitions = 3;  // per file
-  int threads = 0;      // of OpenEXR, for reading and writing; 0: all cores
+  int size = 1024;      // side of the map, an even number
+  int lobes = 4;        // number of lobes, 1 to 8
+  int repetitions = 3;  // number of runs per file
+  int threads = 0;      // threads of OpenEXR for reading and writing; all cores if 0
   gl::ContextBackend context = gl::ContextBackend::kOsmesa;
-  std::string folder;  // for files; empty: the system's temporary folder
+  std::string folder;  // folder for files; the system's temporary folder if empty
 };
 
 /// Bakes once as floats and rounds to each encoding. Throws Error(kVerification) if a file reads back differently.

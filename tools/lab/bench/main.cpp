@@ -38,11 +38,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kDeviceHelp =
     "OpenCL device: a number of `multum devices` or part of a name (default: a GPU first)";
-constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
+constexpr int kSizeMin = 16, kSizeMax = 32768;  // limits of `multum testmap`
 
 const Choices<Instructions> kInstructions = {{"avx2", Instructions::kAvx2}, {"avx512", Instructions::kAvx512}};
 
-// The command line without the file of the result, which does not affect the measurement.
+// Returns the command line without the result file, which does not affect the measurement.
 std::string command_line(int argc, char** argv) {
   std::vector<std::string> command = {"multum-bench"};
   for (int i = 1; i < argc; ++i) {
@@ -53,7 +53,7 @@ std::string command_line(int argc, char** argv) {
   return command_text(command);
 }
 
-// A subcommand, the file of its result (empty: none), and the function that runs it with its options.
+// A subcommand, its result file (empty if there is none), and the function that runs it with its options.
 struct Benchmark {
   CLI::App* command;
   std::string json;

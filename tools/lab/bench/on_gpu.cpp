@@ -44,7 +44,7 @@ constexpr std::pair<const char*, const char*> kTests[] = {{"kernel_test", "*"},
                                                           {"probe_test", "*"},
                                                           {"gl_stability_test", "GlslCases.Hold*"}};
 
-// A step may take this many times its estimate, so that it leaves time for other steps.
+// A step can take at most this many times its estimate, which leaves time for other steps.
 constexpr double kPatience = 4.0;
 
 Json read_json(const std::string& path) {
@@ -61,9 +61,8 @@ class OnGpuRun {
         end_(Clock::now() + std::chrono::milliseconds(static_cast<long>(options.minutes * 60000.0))) {
     const DriverSearch drivers = find_drivers();
     name_drivers(drivers, folder_.path());
-    // Starts with empty caches and does not write to the user's caches. A small run, whose times do not count, uses
-    // existing
-    // caches.
+    // Starts with empty caches, and does not write to the user's caches. A small run uses existing caches, because its
+    // times do not count.
     for (const char* variable : {"MULTUM_CACHE_DIR", "POCL_CACHE_DIR", "CUDA_CACHE_PATH"}) {
       if (options_.small && std::getenv(variable) != nullptr) continue;
       const std::string cache = folder_ / variable;
@@ -162,7 +161,8 @@ class OnGpuRun {
     write_text_file(options_.output + ".md", page_of_run(result_));
   }
 
-  // Chooses as Device::open() does, from a child's list, so that a driver that crashes only ends the child.
+  // Chooses a device as Device::open() does, from the list of a child process, so that a crashing driver ends only the
+  // child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
     child({neighbouring_program("multum"), "devices", "--report", listed}, 60);
@@ -242,7 +242,8 @@ class OnGpuRun {
     return result;
   }
 
-  // Bakes three times: to compile, to time, and with every launch timed, which costs some of them time.
+  // Bakes three times: first to compile kernels, then to measure the whole bake, then with a timer for every launch,
+  // which makes some launches slower.
   Json bake(int size, const std::string& device, double left) {
     const std::string map = map_of(size, left);
     if (size <= 4096) bake_once(map, device, {"--no-measure"}, left);
@@ -254,7 +255,7 @@ class OnGpuRun {
     return result;
   }
 
-  // Times the EM kernels, with the yardstick for one device.
+  // Times the EM kernels, and for one device also the yardstick.
   Json em(int size, const std::string& device, bool with_yardstick, double left) {
     std::vector<std::string> command = {"em", "--size", std::to_string(size), "--device", device, "--threads", "0"};
     command.insert(command.end(), {"--repetitions", options_.small ? "1" : size > 2048 ? "2" : "5"});
@@ -311,7 +312,7 @@ class OnGpuRun {
   Progress* progress_;
   const ScratchFolder folder_;
   const Clock::time_point end_;
-  std::vector<std::pair<std::string, std::string>> devices_;  // name in a row, and number
+  std::vector<std::pair<std::string, std::string>> devices_;  // name of each device in a row, and its number
   Json result_;
   bool has_broken_ = false;
 };

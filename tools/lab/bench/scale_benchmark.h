@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how the costs of `multum bake` grow with the map: sizes double, and each run is a process.
+// Measures how the costs of `multum bake` grow with the map. Sizes double, and each run is a new process.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,13 +12,13 @@
 namespace multum::bench {
 
 struct ScaleBenchmarkOptions {
-  int size_min = 512;                     // map side, even
+  int size_min = 512;                     // side of the map, an even number
   int size_max = 4096;                    // sizes double up to this size
-  int lobes = 4;                          // 1..8
-  int repetitions = 3;                    // runs a size
-  int threads = 0;                        // 0: all cores
-  std::string folder;                     // for files; empty: the system's temporary folder
-  std::vector<std::string> bake_options;  // more options of `multum bake`
+  int lobes = 4;                          // number of lobes, 1 to 8
+  int repetitions = 3;                    // number of runs per size
+  int threads = 0;                        // number of threads; all cores if 0
+  std::string folder;                     // folder for files; the system's temporary folder if empty
+  std::vector<std::string> bake_options;  // additional options of `multum bake`
 };
 
 nlohmann::ordered_json run_scale_benchmark(const ScaleBenchmarkOptions& options, Progress* progress);

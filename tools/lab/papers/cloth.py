@@ -2,8 +2,9 @@
 """Simulates a square of cloth that falls on a sphere (Han et al. 2007, fig. 5) by position-based dynamics (Müller et
 al. 2007).
 
-Each step restores the distances of neighbours (threads), diagonals (shear) and second neighbours (bending), one set of
-constraints without common vertices after the other. The sphere has radius 0.6, and the cloth has 2 x 2 units.
+Each step restores the distances between neighbours (threads), diagonals (shear) and second neighbours (bending).
+Constraints are divided into sets without common vertices, and one set is solved after the other. The sphere has a
+radius of 0.6, and the cloth measures 2 x 2 units.
 """
 import numpy as np
 

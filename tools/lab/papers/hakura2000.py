@@ -4,8 +4,8 @@ as pages that play.
 
 The paper describes its scenes but does not publish them. The fields of the shared data follow the description at half
 the resolution: a vase, a glass and a table in a room under a swinging light (figures 10 and 11), and the same room with
-a turning knot instead of the paper's gewgaw (figure 12). The codec of views is AV1 by ffmpeg instead of MPEG-4.
-docs/evidence/PLAYBACK.md has whole curves of size and error.
+a turning knot instead of the paper's gewgaw (figure 12). ffmpeg codes views as AV1 instead of MPEG-4.
+docs/evidence/PLAYBACK.md contains complete curves of size and error.
 """
 import json
 import pathlib
@@ -26,7 +26,7 @@ TITLE = "Hakura et al. 2000: parameterized animation compression"
 TARGETS = (384, 768)
 VIEWS, COSINES, WAVELETS = "views, AV1, one key frame per block", "textures, cosines", "textures, wavelets"
 CODERS = {COSINES: ("--coder", "dct"), WAVELETS: ("--coder", "wavelet")}
-# (ratio, MSE) of figure 10; the paper's methods are MPEG-4, Laplacian DCT, Laplacian SPIHT.
+# (ratio, MSE) of figure 10. The paper's methods are MPEG-4, Laplacian DCT and Laplacian SPIHT.
 PUBLISHED = {384: {VIEWS: (355, 13.5), COSINES: (366, 11.8), WAVELETS: (379, 8.66)},
              768: {VIEWS: (570, 29.8), COSINES: (732, 18.1), WAVELETS: (751, 16.5)}}
 DEMOS = {"field_demo1": "Demo 1: views of the room, and a swinging light",
@@ -72,7 +72,7 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """Codes the best AV1 within the bytes of raw frames / ratio, or the smallest AV1 if none fits."""
+        """Codes the best AV1 that fits into the size of the raw frames / ratio, or the smallest AV1 if none fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
@@ -90,7 +90,7 @@ class FieldStudy:
         return (slice(height // 6, 5 * height // 6), slice(width // 4, 3 * width // 4))
 
     def strip(self, name, shown):
-        """Writes a strip with the middle sample of each. `shown`: (frames, caption)."""
+        """Writes a strip with the middle sample of each entry of `shown`, (frames, caption)."""
         middle = len(self.traced) // 2
         self.study.strip(name, [(frames[middle].astype(np.float32) / 255, caption) for frames, caption in shown],
                          zoom=2, crop=self.crop(), kind="jpg")
@@ -99,8 +99,9 @@ class FieldStudy:
 def compression(study, field):
     study.heading("Figure 10: a scene under a swinging light, 384:1 and 768:1")
     study.paragraph("Error and compression are defined as in the paper: MSE in 8-bit values over all samples of the",
-                    "field, with one block of 8 x 8. The size of textures includes everything that a player needs, "
-                    "except for the scene file. The figures in the paper show another scene, with 640 x 480 pixels.")
+                    "field, with one block of 8 x 8 samples. The size of textures includes everything that a player "
+                    "needs, except for the scene file. The figures in the paper show another scene, with 640 x 480 "
+                    "pixels.")
     rows = []
     for ratio in TARGETS:
         results = {VIEWS: field.video(ratio)} if shutil.which("ffmpeg") else {}

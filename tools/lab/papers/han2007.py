@@ -13,7 +13,7 @@ from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
 PLAIN = ("mip", "toksvig", "lean-jacobian")
-# Shaded at as many points per pixel as lobes take evaluations.
+# These methods are shaded at as many points per pixel as lobes need evaluations.
 POINTS = ("points", "toksvig-points", "lean-jacobian-points")
 BASELINES = (REFERENCE, *PLAIN, *POINTS)
 LABELS = {REFERENCE: "reference", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
@@ -66,7 +66,7 @@ def methods(study):
                 "blinn-phong:200", "--diffuse", "0.8", "--specular", "0.15", *FRAME)
     six = study.view("six", "quarters", *material, compare=BASELINES)
     one = study.view("one", "one_lobe", *material)
-    study.heading("Figure 2: six lobes with colours against other methods")
+    study.heading("Figure 2: six lobes with colours, compared with other methods")
     study.figures([(six[REFERENCE], "reference"), (six["multum"], "six lobes"), (one["multum"], "one lobe"),
                    (six["toksvig"], "Toksvig"), (six["mip"], "averaged normals")], name="methods")
     rows = [["six lobes", six["multum"], six.frame_ms["multum"]], ["one lobe", one["multum"], one.frame_ms["multum"]],
@@ -158,9 +158,9 @@ def environment_light(study):
     """Figure 9: a mesh in low-frequency light, and in the full environment."""
     study.heading("Figure 9: a mesh under an environment")
     study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the "
-                    "light over half vectors, up to order 8 (Han, section 8). These harmonics are accurate only for "
-                    "broad highlights. The second column uses maps that are filtered for lobes of every width. "
-                    "Filtered maps are accurate for sharp highlights too.")
+                    "light as a function of the half vector, up to order 8 (Han, section 8). These harmonics are "
+                    "accurate only for broad highlights. The second column uses maps that are filtered for lobes of "
+                    "every width. Filtered maps are accurate for sharp highlights too.")
     light = study.path("sky.exr")
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
@@ -188,10 +188,10 @@ def changing_light(study):
     study.heading("Section 8: an environment that changes at run time")
     frames = 5
     study.paragraph("A sky turns by 90 degrees and fades into dusk. Harmonics up to order 2 and filtered maps are "
-                    "linear in the light. In each frame, they are therefore mixed from the values for both skies. The "
-                    "column *new environment* lists the time for a completely new environment. Harmonics up to order "
-                    "8 of the",
-                    "light over half vectors (Han's highlights) are recomputed in every frame.")
+                    "linear in the light. In each frame, multum therefore mixes their values for the two skies. The "
+                    "column *new environment* lists the time for a completely new environment. Han's highlights "
+                    "use harmonics of the light as a function of the half vector, up to order 8. These harmonics are "
+                    "recomputed in every frame.")
     light, dusk = study.path("sky512.exr"), study.path("dusk512.exr")
     write_sky(light, 512)
     sky = read_picture(light)
@@ -216,13 +216,14 @@ def changing_light(study):
     study.strip("changing_light", [(box_reduced(read_picture(folder / f"frame_{k:04}.png")[:, :, :3], 2),
                                     f"frame {k + 1}") for k in range(frames)], kind="jpg")
     study.table(["relative L1", "first frame", "in the middle", "last"], errors)
-    study.table(["processor time per frame, ms", "new environment, 512 x 256", "mixture of two", "to the shader"],
+    study.table(["processor time per frame, ms", "new environment, 512 x 256", "mixture of two environments",
+                 "transfer to the shader"],
                 [[words, f"{spent[0]['made']:.0f}", f"{np.median([s['made'] for s in spent[1:-1]]):.1f}",
                   f"{np.median([s['set'] for s in spent[1:-1]]):.0f}"] for words, spent in costs])
 
 
 def shininess(study, material):
-    study.heading("Figures 6 and 8: scale, shininess and light, changed without another bake")
+    study.heading("Figures 6 and 8: other scale, shininess and light without another bake")
     without = list(material)
     at = without.index("--brdf")
     del without[at:at + 2]
@@ -270,9 +271,9 @@ def lobe_counts(study):
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
     reference = density_of_normals(block, directions)
     study.heading("Figure 7: the normals of one texel, as one to six lobes and as planar Gaussians")
-    study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals reach 72 degrees. Near the "
-                    "rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The error compares the "
-                    "densities in the pictures, integrated over solid angle.")
+    study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals are tilted by up to 72 "
+                    "degrees. Near the rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The "
+                    "error compares the densities in the pictures, integrated over solid angle.")
     shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))

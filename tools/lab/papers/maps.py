@@ -17,7 +17,7 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
                    ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")),
                    ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
                    ("sh, order 4", "sh4", ("--ndf", "sh")), ("moments", "moments", ("--ndf", "moments")))
-# The last two are shaded at as many points per pixel as four lobes take evaluations.
+# The last two methods are shaded at as many points per pixel as four lobes need evaluations.
 BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
 MATERIAL_RUNS = 5  # of each material
@@ -36,7 +36,7 @@ def maps(study):
 
 
 def reading_of(study, path):
-    """Returns --green up if the map's statistics do not decide, the same for every representation; else nothing."""
+    """Returns --green up for all representations if the map's statistics do not show the direction, else nothing."""
     try:
         study.bake("probe", path, "--ndf", "moments", "--no-measure")
         return ()
@@ -138,7 +138,7 @@ def draw_every_material(study):
 
 
 def draw_same_filter(study):
-    """Compares errors against two references: one averages over the texels that the filter takes, one over the
+    """Compares errors against two references: one averages over the texels that the filter reads, the other over the
     pixel."""
     normal = study.testmap("same_filter")
     study.bake("same_filter", normal, "--green", "up", "--no-measure")

@@ -35,12 +35,12 @@ def disk(size):
 
 
 def vmf(kappa, cosine):
-    """kappa / (4 pi sinh kappa) exp(kappa t), in a form that does not overflow."""
+    """Returns kappa / (4 pi sinh kappa) exp(kappa t), in a form that does not overflow."""
     return kappa / (2 * np.pi * -np.expm1(-2 * kappa)) * np.exp(kappa * (cosine - 1))
 
 
 def kappa_of(mean_cosine):
-    """A^-1 by Banerjee's formula and Newton's steps."""
+    """Returns A^-1, by Banerjee's formula and Newton's steps."""
     r = np.clip(mean_cosine, 1e-6, 1 - 1e-7)
     kappa = r * (3 - r * r) / (1 - r * r)
     for _ in range(4):
@@ -80,6 +80,6 @@ def picture(density, inside, peak):
 
 
 def density_error(density, reference, directions, inside):
-    """Relative L1 over solid angle: d omega = dx dy / n_z."""
+    """Returns the relative L1 error, integrated over solid angle: d omega = dx dy / n_z."""
     weight = np.where(inside, 1 / np.maximum(directions[:, :, 2], 0.05), 0)
     return float((np.abs(density - reference) * weight).sum() / (reference * weight).sum())

@@ -75,12 +75,12 @@ def write_sky(path, width=256):
 
 
 def relative_l1(picture, reference):
-    """sum |picture - reference| / sum reference, linear, as in the reports of multum-view and of bakes."""
+    """Returns sum |picture - reference| / sum reference in linear light, as in reports of multum-view and of bakes."""
     return float(np.abs(picture - reference).sum() / reference.sum())
 
 
 def box_reduced(picture, factor):
-    """Means of factor x factor pixels."""
+    """Returns the means of factor x factor pixels."""
     height, width, channels = picture.shape
     return picture.reshape(height // factor, factor, width // factor, factor, channels).mean(axis=(1, 3))
 
@@ -168,7 +168,8 @@ class Study:
         return loaded
 
     def view(self, name, baked, *options, compare=(), samples=None):
-        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and the methods in `compare`. `samples`: of this reference."""
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum" and the methods in `compare`. `samples`: samples per pixel of the
+        reference."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
                    "--report", report, *options]
@@ -218,9 +219,9 @@ class Study:
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
     def strip(self, name, shown, zoom=1, crop=None, kind="png"):
-        """Writes one picture, NAME.png, with several next to each other. `shown`: (displayed values 0..1, caption),
-        enlarged to squares of `zoom` x `zoom`. `crop`: slices of rows and columns. In docs/evidence/images, the
-        picture is NAME.KIND."""
+        """Writes one picture, NAME.png, of several pictures next to each other. `shown`: (displayed values 0..1,
+        caption), enlarged to squares of `zoom` x `zoom`. `crop`: slices of rows and columns. In docs/evidence/images,
+        the picture is NAME.KIND."""
         parts = [picture[crop] if crop else picture for picture, _ in shown]
         enlarged = [part.repeat(zoom, 0).repeat(zoom, 1) for part in parts]
         write_picture(self.path(f"{name}.png"), np.concatenate(enlarged, axis=1))

@@ -3,10 +3,11 @@
 
 The paper's scenes (a carved silver disk, golden armour) are not published. The map of rings, once across a square,
 replaces the disk. The repeated map of hemispherical scales replaces the armour. The order of methods and the ratios of
-their errors carry over, not the values of the figures, so tables have ratios next to the paper's ratios.
+their errors can be compared with the paper, but the values cannot. Tables therefore list ratios next to the paper's
+ratios.
 
 The material follows the paper: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F.
-The paper prints it without shadowing and masking. Here both are included, for the reference and for every method.
+The paper's formula omits shadowing and masking. Here both are included, for the reference and for every method.
 """
 import numpy as np
 from report_page import percent
@@ -19,10 +20,10 @@ FINER = 8  # pixels a side that stand for one where the filter's own share is ta
 SILVER = ("--brdf", "cook-torrance:0.07,0.95,0.93,0.88", "--diffuse", "0.5", "--specular", "0.2")
 GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--specular", "0.25")
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)
-OURS = "planar Gaussians, 4 (their method)"
+OURS = "planar Gaussians, 4 (method of the paper)"
 BASELINES = (("Toksvig", "toksvig"), ("LEAN, slopes as published", "lean"),
              ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
-             # Shaded at as many points per pixel as four lobes take evaluations.
+             # These methods are shaded at as many points per pixel as four lobes need evaluations.
              ("Toksvig, 4 points", "toksvig-points"), ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"),
              ("averaged normals, 4 points", "points"))
 
@@ -45,7 +46,7 @@ def factors(study, rows, published):
     """Makes a table of colour errors next to the paper's errors. `rows`: label to (colour error, further cells);
     `published`: label to the paper's colour error. The first row is the paper's method."""
     head, further = next(iter(rows)), [name for name, _ in next(iter(rows.values()))[1]]
-    study.table(["method", "colour error", "ratio to their method", "published", "published ratio", *further],
+    study.table(["method", "colour error", "ratio to the paper's method", "published", "published ratio", *further],
                 [[label, f"{error:.3f}", f"{error / rows[head][0]:.2f}",
                   *([f"{published[label]:.3f}", f"{published[label] / published[head]:.2f}"] if label in published
                     else ["-", "-"]), *[cell for _, cell in cells]] for label, (error, cells) in rows.items()])
@@ -87,7 +88,7 @@ def zoom(study):
     study.paragraph("In the paper, the error of Toksvig is 2.75 times the error of the paper's method. Here, the",
                     f"factor is {theirs / ours:.2f}. Against the reference with the same filter, the factor is",
                     f"{own['Toksvig'] / own[OURS]:.2f}.")
-    study.paragraph(f"16 samples per pixel differ from {study.samples} samples by",
+    study.paragraph(f"A reference with 16 samples per pixel differs from a reference with {study.samples} samples by",
                     f"{mean(colour_distance, few, references):.3f} in colour error and by",
                     f"{percent(mean(relative_l1, few, references))} in relative L1. The reference with the same "
                     f"filter averages over the texels that the filter reads. Errors against this reference come only "
@@ -138,9 +139,9 @@ def fournier(study):
                             [("relative L1", percent(relative_l1(picture, reference))),
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
-    study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The error of this "
-                    "row is the error of the Gaussians; the other rows include the error of their filters. The "
-                    "picture of the",
+    study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The row with 8 x 8 "
+                    "lookups therefore lists the error of the Gaussians alone. The other rows include the errors of "
+                    "their filters. The picture of the",
                     "elongated filter differs from the picture of the round filter by",
                     f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
                     f"paper compares the time of the peaks with the time of a filter that fits the pixel. Here, this "
@@ -175,9 +176,9 @@ def armour(study):
     study.paragraph("In the paper, the error of a fixed BRDF is 3.0 times the error of the paper's method. Here, the",
                     f"factor is {factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}.",
                     "Against the reference with the same filter, the factor is",
-                    f"{factor(own)}. Normals of hemispherical scales fill "
-                    f"the hemisphere, for which four lobes are few. The normals of the armour in the paper possibly "
-                    f"do not fill the hemisphere.")
+                    f"{factor(own)}. Normals of hemispherical scales fill the whole hemisphere, which four lobes "
+                    "cannot represent well. The normals of the armour in the paper possibly "
+                    "do not fill the hemisphere.")
 
 
 def reproduce(study):

@@ -206,7 +206,7 @@ def patches(study):
 
 def levels_of_detail(study):
     study.heading("Levels of detail")
-    study.paragraph("The pyramid of a height field is drawn at continuous levels. Coarser levels have fewer points "
+    study.paragraph("The pyramid of a height field is drawn at fractional levels. Coarser levels have fewer points "
                     "and smoother hills than finer levels.")
     hills(study)
     shown = []

@@ -27,7 +27,7 @@ async function measure(patience) {
   const finish = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits until drawing has finished
   const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
   const channel = new MessageChannel();
-  const turn = () => new Promise((resolve) => { // of the browser's loop; setTimeout takes 4 ms
+  const turn = () => new Promise((resolve) => { // one turn of the browser's event loop; setTimeout would take 4 ms
     channel.port1.onmessage = resolve;
     channel.port2.postMessage(null);
   });
@@ -64,8 +64,8 @@ async function measure(patience) {
     }
   }
 
-  // Divides the time of a picture with one sub-pixel per pixel: without objects; with objects in 16 x 12 pixels, which
-  // leaves their corners; with lookups in two mip levels, as at rest.
+  // Divides the time of a picture with one sub-pixel per pixel into parts. Measures a picture without objects, a
+  // picture of 16 x 12 pixels (mostly work for vertices), and a picture with lookups in two mip levels, as at rest.
   player.isSmooth = false;
   player.quality = fixedQuality(1);
   const p50 = () => {
@@ -103,7 +103,7 @@ async function measure(patience) {
     while (last - begun < 1000 * patience) {
       player.moveTo(sizes.map((_, d) => (d === 0 ? 0.5 - 0.5 * Math.cos((last - begun) / 500) : 0)));
       last = await frame();
-      if (pictures === 0 && last - begun > 500 * patience) { // until then, the page chooses
+      if (pictures === 0 && last - begun > 500 * patience) { // until then, the page adapts the number of sub-pixels
         [pictures, begun] = [player.statistics.frames, last];
       }
     }
@@ -121,7 +121,7 @@ async function measure(patience) {
     await player.settled();
     player.quality = fixedQuality(side);
     player.store.clear();
-    player.requestDraw = () => {}; // no pictures in between
+    player.requestDraw = () => {}; // prevents additional pictures
     const decodedBefore = player.statistics.decoded;
     const parts = { waiting: 0, drawing: 0 };
     const list = [];

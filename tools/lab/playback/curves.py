@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curves of error over compression: values between their points, and a picture."""
+"""Interpolates curves of error over compression, and draws them."""
 import html
 import math
 
@@ -16,7 +16,8 @@ def value_at(points, ratio):
         if left <= ratio <= right:
             share = math.log(ratio / left) / math.log(right / left) if right > left else 0.0
             return math.exp(math.log(low) + share * math.log(high / low))
-    # An encoder may reach a slightly smaller size than asked, so a curve may begin there: its error is an upper bound.
+    # An encoder can produce a slightly smaller file than requested, so a curve can begin slightly beyond `ratio`. The
+    # error of its first point is an upper bound.
     near = [error for at, error in points if 1 <= at / ratio < 1.05]
     return near[0] if near else None
 
@@ -36,7 +37,7 @@ def apart(places, distance):
 
 def picture(title, curves, marks):
     """Draws a self-contained SVG for light and dark pages. `curves`: (name, colour number, dash number, points (ratio,
-    error)); `marks`: ratios with a line of their own."""
+    error)); `marks`: ratios that are marked by a line."""
     curves = [one for one in curves if one[3]]
     ratios = [ratio for *_, points in curves for ratio, _ in points]
     errors = [error for *_, points in curves for _, error in points]

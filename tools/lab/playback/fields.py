@@ -44,8 +44,8 @@ def mse(frames, others):
 
 
 class Field:
-    """A job's samples along a path through the parameters. The last parameter is fastest, forwards and backwards, so
-    that neighbours differ by one step."""
+    """A job's samples along a path through the parameters. The last parameter changes fastest, forwards and backwards,
+    so that neighbours differ by one step."""
 
     def __init__(self, job):
         self.path = pathlib.Path(job)
@@ -104,8 +104,8 @@ class Field:
 
 
 def serpentine(counts):
-    """Lists the places of a grid. The last dimension is fastest, and each line runs in the opposite direction of the
-    line before."""
+    """Lists the cells of a grid. The last dimension changes fastest, and each line runs in the opposite direction of
+    the previous line."""
     if not counts:
         return [()]
     path, rest = [], serpentine(counts[1:])
@@ -128,8 +128,8 @@ def silhouettes(numbers):
 
 
 def error_places(errors, numbers, names):
-    """Divides squared errors by place. Returns rows (object or "", "silhouette" or "interior", share of pixels, their
-    MSE, their part of the whole MSE). "" stands for pixels without an object."""
+    """Divides squared errors by object and position. Returns rows (object or "", "silhouette" or "interior", share of
+    pixels, their MSE, their part of the whole MSE). "" stands for pixels without an object."""
     edges, rows = silhouettes(numbers), []
     for number, name in enumerate(["", *names]):
         for kind, where in (("interior", ~edges), ("silhouette", edges)):

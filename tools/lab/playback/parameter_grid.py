@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Changes the parameters of a job of `multum infer`: splits a parameter that runs over two things, or keeps only the
+"""Changes the parameters of a job of `multum infer`: splits one parameter into several parameters, or keeps only the
 first parameters, with the middle samples of the others. Jobs are TOML texts as `multum animation` writes them, and the
 rest of the text does not change."""
 import json
@@ -39,7 +39,7 @@ def list_of(table, key):
 
 
 def with_split_parameter(job, name, parts):
-    """Replaces the parameter `name` by `parts`, (name, count); the last part is fastest."""
+    """Replaces the parameter `name` by `parts`, (name, count); the last part changes fastest."""
     parameters = [table for table in tables(job) if is_a(table, "parameter")]
     place = next((k for k, table in enumerate(parameters) if name_of(table) == name), None)
     if place is None:

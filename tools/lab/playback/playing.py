@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures how a packed field plays: times to random samples next to AV1, frames per second, borders of blocks, memory,
-and the same in a browser. `multum-view play` draws. Everything except the browser runs on one core.
+"""Measures how a packed field plays: seek times compared with AV1, frames per second, block borders, memory, and the
+speed in a browser. `multum-view play` draws. Everything except the browser runs on one core.
 
 Writes rows of kind "playing". Stop other work on the machine, because it makes times longer and more variable.
 """
@@ -37,8 +37,8 @@ def quantile(values, p):
 
 
 def diagonals(counts):
-    """Lists every place of the grid once: each frame is a step further along all parameters, one diagonal after
-    another."""
+    """Lists every cell of the grid once, one diagonal after another: each frame is a step further along all
+    parameters."""
     places = {}
     for begin in itertools.product(*map(range, counts)):
         for step in range(max(counts)):
@@ -54,8 +54,8 @@ class Player:
         self.core = min(os.sched_getaffinity(0))
 
     def play(self, places, *options):
-        """Returns the frames of statistics.json, and the whole file. Draws the first place twice and drops the first
-        frame, which compiles shaders."""
+        """Returns the frames of statistics.json, and the whole file. Draws the first cell twice, and drops the
+        first frame, which compiles shaders."""
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
         path = self.scratch / "path.json"
@@ -224,16 +224,15 @@ def seek_section(row, table):
         verdict.append(f"{ratio:.1f} times as long as {spoken(name)}")
     return ["#### Seeks to random samples from a cold cache",
             table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
-                   "decoded at most"], lines),
+                   "most textures decoded"], lines),
             f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, on one core and one "
-            f"thread. The table lists medians of the rounds with ranges in brackets, and ratios within a round. AV1 "
-            f"uses the quality setting whose error is most similar to the error of the packed file. "
+            "thread. The table lists medians of the rounds with ranges in brackets, and ratios within a round. AV1 "
+            "uses the quality setting whose error is most similar to the error of the packed file. "
             f"lib{row['decoder']} decodes all frames from the key frame to the requested frame, without colour "
-            f"conversion. The median "
-            f"seek "
-            f"takes {' and '.join(verdict)}. To obtain any texture of a block, the decoder must decode the "
-            f"coefficients of all samples of the block. The textures of a block cover everything that is visible in "
-            f"any view of the block. A block therefore contains several times as many texels as one frame needs."]
+            f"conversion. The median seek takes {' and '.join(verdict)}. To obtain any texture of a block, the decoder "
+            "must decode the coefficients of all samples of the block. The textures of a block cover everything that "
+            "is visible in any view of the block. A block therefore contains several times as many texels as one frame "
+            "needs."]
 
 
 def rate_section(found, table):
@@ -269,9 +268,8 @@ def border_section(found, table):
          "most decoding in a frame, processor ms", "most chunks in a frame"], lines),
         "The path is the diagonal with 1 x 1 sub-pixels. Textures that are not used for 4 frames are dropped. With "
         "`--stagger`, the blocks of the objects begin at different samples, so fewer blocks are decoded in one frame, "
-        "and "
-        "the blocks at the ends are smaller. If no frames are decoded ahead, every run decodes the same blocks in the "
-        "same frames. Frame times vary, because other programs run on the machine."] if lines else []
+        "and the blocks at the ends are smaller. If no frames are decoded ahead, every run decodes the same blocks in "
+        "the same frames. Frame times vary, because other programs run on the machine."] if lines else []
 
 
 def memory_section(found, table):
@@ -279,12 +277,13 @@ def memory_section(found, table):
     for size in MEMORIES:
         row = found.get(f"memory, {size}")
         if row and not row["fits"]:
-            lines.append([size, "-", "-", "-", "multum-view stops with an error: the memory does not hold one frame"])
+            lines.append([size, "-", "-", "-",
+                          "multum-view stops with an error, because one frame does not fit into this memory"])
         elif row:
             lines.append([size, f"{row['bytes_most'] / 2 ** 20:.1f}", f"{row['mse']:.2f}",
                           f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
     return ["#### Memory and quality", table(
-        ["`--memory`", "peak, MiB", "MSE against frames that wait", "images that are late, %", ""], lines),
+        ["`--memory`", "peak, MiB", "MSE compared with frames that wait", "late images, %", ""], lines),
         "The path is the diagonal with `--no-wait`: each frame is drawn with the textures that are decoded in "
         "time."] if lines else []
 
@@ -309,18 +308,15 @@ def browser_section(row, found, table):
     return ["#### In the browser", table(
         ["path", "sub-pixels", "frames per second", "p50, ms", "p99, ms",
          "frames per second of `multum-view play`"], lines),
-        f"The browser is headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} "
-        f"pixels, on "
-        "all cores. In rows with *only drawing*, the page waits until each frame is finished. In rows with *shown*, "
+        f"The browser is headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} pixels, "
+        "on all cores. In rows with *only drawing*, the page waits until each frame is finished. In rows with *shown*, "
         "the view moves, and the page chooses the number of sub-pixels.",
         f"On the diagonal, each frame waits {diagonal['waitingMs']:.0f} ms for textures from {diagonal['workers']} "
-        f"worker, and "
-        f"needs {diagonal['drawingMs']:.0f} ms for uploading and drawing. Drawing is the slowest part. A picture with "
-        f"one "
-        f"sub-pixel per pixel takes {profile['wholeMs']:.1f} ms: {profile['withoutObjectsMs']:.1f} ms for a picture "
-        f"without objects (mean and sRGB), {profile['smallMs']:.1f} ms for a picture with 16 x 12 pixels (triangle "
-        f"vertices), and the rest for two lookups in half-float textures per pixel. While the view moves on a slow "
-        f"device, the page reads one mip level. At rest, the page reads two mip levels, and a picture takes "
+        f"worker, and needs {diagonal['drawingMs']:.0f} ms for uploading and drawing. Drawing is the slowest part. A "
+        f"picture with one sub-pixel per pixel takes {profile['wholeMs']:.1f} ms: {profile['withoutObjectsMs']:.1f} ms "
+        f"for a picture without objects (mean and sRGB), {profile['smallMs']:.1f} ms for a picture with 16 x 12 pixels "
+        "(triangle vertices), and the rest for two lookups per pixel in half-float textures. While the view moves on a "
+        "slow device, the page reads one mip level. At rest, the page reads two mip levels, and a picture takes "
         f"{profile['twoLevelsMs']:.1f} ms.",
         "While frames take less than 45 ms, the page increases the number of sub-pixels. The page therefore shows "
         "fewer pictures per second than it could draw, but in higher quality. The first frame of the diagonal is the "

@@ -40,7 +40,7 @@ class Programs:
                      if one.startswith("--") and not re.search(rf"(?<![\w-]){one}(?![\w-])", self.pack_help)), None)
 
     def pack(self, folder, file, options):
-        """Packs textures. The code is USAGE if a size cannot be reached or an option's value is refused."""
+        """Packs textures. The exit code is USAGE if a size cannot be reached or an option's value is invalid."""
         done = run([self.multum, "pack", folder, "-o", file, "--quiet", *options])
         if done.code not in (0, USAGE):
             sys.exit(f"exit code {done.code} of multum pack {' '.join(map(str, options))}\n{done.text}")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Codes frames with video and picture codecs of Debian's ffmpeg: bytes of the stream without container, and the decoded
-frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. They are converted here, exactly and equally for all
+frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours, exactly and equally for all
 codecs.
 """
 import os

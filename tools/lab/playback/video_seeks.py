@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Times dav1d's way to any frame of an AV1 stream: from the key frame before it to the frame, on one thread in this
-process, so that starting a program does not count. Only decoding is timed, not the conversion of colours. The library
-fills all structures of libdav1d 1.0, except for the first members of its settings.
+"""Measures how long dav1d takes to seek a frame of an AV1 stream: it decodes from the previous key frame to this frame.
+It runs on one thread of this process, so that starting a program does not count. Only decoding is timed, not the
+conversion of colours. The library fills all structures of libdav1d 1.0, except for the first members of its settings.
 """
 import ctypes
 import os

@@ -47,12 +47,12 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  // The worse of x and y.
+  // Returns the higher of two errors: midway in x, and midway in y.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
     return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
   }
-  // "10.3 / 6.8 / 6.6" at levels 3, 5, 7.
+  // Returns the errors of levels 3, 5 and 7, such as "10.3 / 6.8 / 6.6".
   std::string three_levels(AccuracyPoint point, const std::string& brdf) const {
     std::string text;
     for (int level : {3, 5, 7}) {
@@ -109,7 +109,7 @@ std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::
 MovmfSettings with_lobes(int lobes) {
   MovmfSettings settings;
   settings.lobe_count = lobes;
-  settings.periodic_x = settings.periodic_y = true;  // the default of `multum bake`
+  settings.periodic_x = settings.periodic_y = true;  // as by default in `multum bake`
   return settings;
 }
 
@@ -127,7 +127,7 @@ std::string level_table(const Errors& errors, int level_count) {
   return text;
 }
 
-// One line of the summary: levels 3 / 5 / 7.
+// Returns one line of the summary, with levels 3 / 5 / 7.
 std::string summary_line(const std::string& name, const Errors& errors) {
   std::string text = "| " + name + " |";
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
@@ -208,8 +208,8 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
     colours += "\n";
   }
   return fmt::format(
-             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Times cover one fit, "
-             "including its start, on {} cores: the shortest of {} fits. One fit per row compiled the kernels before "
+             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
+             "of {} fits on {} cores, and includes the start of the fit. One fit per row compiled the kernels before "
              "the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
              core_count(), kTimedRounds) +
          summary +
@@ -223,7 +223,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
          colours + tables;
 }
 
-// Size of the file, which is written next to the document and then removed.
+// Returns the size of the file, which is written next to the document and then removed.
 std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptions& options) {
   const std::string path = options.output + ".first_level.ndf.exr";
   BakedWriteOptions writing;
@@ -260,36 +260,39 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
     }
   }
   return fmt::format(
-             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser "
-             "levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean "
-             "vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the "
-             "results are mixed. *Midway* is the higher of the errors midway in x and in y. The table lists the error "
-             "after this mixing. Renderers also narrow the normal map's lobe to the part that a pixel sees "
-             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes are in "
-             "MB, in the file and on the GPU. BC5 normals and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
+             "\n"
+             "### Finest levels from the normal map\n\n"
+             "The bakes have 4 lobes and store only level L and coarser levels (`multum bake --first-level L`). Each "
+             "texel of a finer level has one lobe, which is the mean vector of the normal map's mip level. Between "
+             "levels L - 1 and L, both levels are shaded, and the results are mixed. *Midway* lists the higher of two "
+             "errors: midway between texels in x, and midway in y. The table lists errors of the mixed results. "
+             "Renderers also narrow the normal map's lobe to the part that a pixel sees "
+             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes of the "
+             "file and of the GPU textures are in MB. BC5 normals and BC4 roughness of this map take {:.1f} MB on the "
+             "GPU.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
          "file, MB | GPU, MB | GPU size / (BC5 + BC4) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
          rows;
 }
 
-// "ours / best baseline" of every level; bold where ours is worse by more than 0.05 points.
+// Table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher by
+// more than 0.05 points.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 does not count: its texels are single
-// normals,
-// and methods that keep them are exact.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out: its texels are single normals,
+// so methods that store them have no error.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
-// A row of the table by channels. Methods with the same number of channels are next to each other.
+// A row of the table by number of channels. Methods with the same number of channels are next to each other.
 struct Rival {
   const char* name;   // key of MapErrors
-  const char* title;  // in the table
-  int channels;       // per texel
+  const char* title;  // name in the table
+  int channels;       // number of channels per texel
 };
 constexpr Rival kRivals[] = {{"mip", "averaged normals", 3},
                              {"Toksvig", "Toksvig", 3},
@@ -322,7 +325,7 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
   try {
     map = read_normal_map(path, {}, options.threads, nullptr);
   } catch (const Error&) {
-    return;  // not a normal map: `multum bake` refuses it too
+    return;  // the file is not a normal map, and `multum bake` rejects it too
   }
   if (map.report.encoding.find("height field") != std::string::npos) return;
   std::printf("%s\n", name.c_str());
@@ -379,12 +382,12 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
       "at the centres of all texels of every level. Each cell contains two errors in %. The first error is the error "
       "of multum's lobes. The second error is the lowest error among Toksvig, LEAN and LEAN with its Jacobian. The "
       "first error is bold if it exceeds the second error by more than 0.05 points. All methods store normals in 16 "
-      "bits, and moments as "
-      "floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
-      "### By channels\n\nThe table lists medians over all maps and their levels from 1 on. Brackets contain the first "
-      "and third quartile. Each combination of map and level counts once. A lobe needs four channels. An averaged "
-      "normal needs three channels, also for Toksvig, because the length of the normal shows how much the normals "
-      "vary. LEAN needs five channels.\n\n" +
+      "bits, and moments as floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
+      "### By channels\n\n"
+      "The table lists medians over all maps and their levels from 1 on. Brackets contain the first and third "
+      "quartile. Each combination of map and level counts once. A lobe needs four channels, and LEAN needs five "
+      "channels. Averaged normals and Toksvig need three channels, because the length of an averaged normal shows how "
+      "much the normals vary.\n\n" +
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
@@ -398,7 +401,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
-// One row per setting and one error per BRDF.
+// Makes a table with one row per setting and one error per BRDF.
 std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
                        "elapsed, ms", "GPU, MB"});
@@ -438,8 +441,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   std::string text =
       std::string(
           "The rows are the settings that `multum tradeoff` measures. Each BRDF column lists the pixel error (relative "
-          "L1 error in %) and half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured "
-          "error\"). Pixels use the default filter of that commit: ") +
+          "L1 error in %) and half of the width of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), "
+          "\"Measured error\"). Pixels are drawn with the default filter of that commit: ") +
       default_filter_text() +
       ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The "
       "settings ran alternately, and all kernels were compiled before the timed runs.\n" +
@@ -453,7 +456,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   return text;
 }
 
-// Sections of an existing document, by their headings of second order; the text before the first heading has key "".
+// Returns the sections of an existing document by their second-level headings. The text before the first heading has
+// the key "".
 std::map<std::string, std::string> sections_of(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);
@@ -474,15 +478,14 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   const std::string made_by =
       fmt::format("Made at {} on {}, {}, device {}.\n\n", commit, processor_name(), system_name(), device.info().name);
   std::string text =
-      "# Accuracy\n\nThis page lists the errors of single texels for lobes, for other methods and for the shading "
-      "formulas.\n\n"
+      "# Accuracy\n\n"
+      "This page lists the errors of single texels for lobes, for other methods and for the shading formulas.\n\n"
       "Generated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`; `--section` regenerates one section. Do not "
       "edit.\n\n"
-      "Errors are relative L1 errors in %: sum |model - reference| / sum reference. The sums run over all texels of a "
-      "level and 12 half vectors "
-      "(lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)). For Lambert, the "
-      "sums run over the four lights.\n\n"
-      "- BRDF: (s+1)/(2 pi) t^s. Only the convolution is measured, without the factor n . l.\n"
+      "Errors are relative L1 errors in %: `sum |model - reference| / sum reference`. The sums run over all texels of "
+      "a level and 12 half vectors (lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) "
+      "(-.3,.7,.6)). For Lambert, the sums run over the four lights.\n\n"
+      "- BRDF: `(s+1)/(2 pi) t^s`. Only the convolution is measured, without the factor `n . l`.\n"
       "- Reference: the average over all finest normals that a texel covers, computed in double precision.\n"
       "- Model: the stored lobes, filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 "
       "unless a row names another format.\n\n";

@@ -9,13 +9,13 @@ namespace multum::bench {
 
 struct AccuracyDocumentOptions {
   std::string output;  // Markdown file
-  std::string maps;    // folder of real maps; empty: none
-  std::string brdfs;   // folder of measured BRDFs; empty: none
-  // Sections to make, from kSections; other sections of an existing document stay as they are. Empty: all.
+  std::string maps;    // folder of real maps; no maps if empty
+  std::string brdfs;   // folder of measured BRDFs; no BRDFs if empty
+  // Sections to make, from kSections; all sections if empty. Other sections of an existing document do not change.
   std::vector<std::string> sections;
-  std::string commit;        // named in the document
-  bool is_quick = false;     // sweep few settings, only to show that the page can be made
-  bool allow_dirty = false;  // accept a `commit` that is not a committed tree
+  std::string commit;        // commit that the document names
+  bool is_quick = false;     // measure few settings, only to test that the page can be made
+  bool allow_dirty = false;  // accept a `commit` with uncommitted changes
   int size = 1024;           // side of the four-quarter map
   int threads = 2;
 };

@@ -10,10 +10,10 @@ namespace multum::bench {
 struct CoverageDocumentOptions {
   std::string output;  // Markdown file
   std::string maps;    // folder of normal maps
-  std::string commit;  // named in the document
-  int side = 256;      // texels: larger maps are replaced by a mosaic of this size
+  std::string commit;  // commit that the document names
+  int side = 256;      // side in texels; larger maps are replaced by a mosaic of this size
   int replicates = 40;
-  int map_count = 0;  // only the first maps of the folder, by name; 0: all
+  int map_count = 0;  // number of maps, in the order of their names; all maps if 0
   int threads = 2;
 };
 

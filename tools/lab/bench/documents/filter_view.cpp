@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
+// Writes the text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct FilterKey {
   int taps;
   double bias;
   bool shades_taps;
-  int evaluations = 0;  // 0: by taps
+  int evaluations = 0;  // evaluations of light per pixel; 0 if the taps decide
 
   auto operator<=>(const FilterKey&) const = default;
 };
@@ -52,13 +52,13 @@ Figures figures_of(const Json& result, const char* list, const char* field) {
   return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
 }
 
-// Keeps filters with a budget of evaluations, or filters without.
+// Keeps either the filters with a budget of evaluations or the filters without a budget.
 Figures with_budget(Figures figures, bool has_budget) {
   std::erase_if(figures, [&](const auto& entry) { return (entry.first.evaluations > 0) != has_budget; });
   return figures;
 }
 
-// Methods in the order of their measurement.
+// Returns the methods in the order in which they were measured.
 std::vector<std::string> methods_of(const Json& result, const char* list) {
   std::vector<std::string> methods;
   for (const Json& row : result.at("maps").at(0).at(list))
@@ -79,7 +79,8 @@ std::vector<std::string> head_of(std::vector<std::string> first, const std::vect
 
 std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
 
-// Filters by number of taps, then from the plain level to the sharpest; filters that shade each tap come last.
+// Returns filters by number of taps, then from the plain level to the sharpest level. Filters that shade each tap come
+// last.
 std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
@@ -110,7 +111,7 @@ std::string table_of(const Figures& figures, const std::vector<std::string>& met
   return table.text();
 }
 
-// Errors of each method at its best bias.
+// Makes a table of the errors of each method at its best bias.
 std::string best_bias_table(const Figures& figures, const std::vector<std::string>& methods) {
   MarkdownTable table(head_of({taps_head(figures)}, methods));
   std::vector<FilterKey> keys = keys_of(figures);
@@ -131,7 +132,7 @@ std::string best_bias_table(const Figures& figures, const std::vector<std::strin
   return table.text();
 }
 
-// Flicker of four lobes, for each motion.
+// Makes a table of the flicker of four lobes, for each motion.
 std::string motion_table(const Json& result) {
   Figures figures;
   std::vector<std::string> motions;
@@ -145,7 +146,7 @@ std::string motion_table(const Json& result) {
   return table_of(figures, motions, percent_text);
 }
 
-// Frame times, divided by the time of the same method with one tap at level bias 0 in the same run.
+// Returns frame times, divided by the time of the same method with one tap at level bias 0 in the same run.
 Figures time_ratios(const Json& result) {
   Figures figures;
   for (const Json& map : result.at("maps")) {
@@ -183,7 +184,8 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Compares, for four lobes, the default with half as many taps that are each shaded, in about the same time.
+// Compares the default filter with half as many taps that are each shaded, for four lobes. Both filters take about the
+// same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
@@ -200,23 +202,23 @@ std::string default_text(const Json& result, const Figures& errors) {
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
-// Compares all methods at as many points per pixel as lobes take evaluations.
+// Compares all methods with an equal number of evaluations: one per lobe, or one per point.
 std::string evaluations_text(const Json& result, const std::vector<std::string>& methods,
                              const std::vector<std::string>& moving) {
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**At equal evaluations** of light per pixel, each evaluation uses {} taps (`multum-view --evaluations`). Lobes "
-      "follow multum's rule, and other methods are shaded at as many points per pixel. The table lists errors in %, "
-      "for each "
-      "method at its best bias:\n\n",
+      "**With an equal number of evaluations** of light per pixel, each evaluation uses {} taps (`multum-view "
+      "--evaluations`). For lobes, multum's rule divides the evaluations between lobes and points. Other methods are "
+      "shaded at as many points per pixel as there are evaluations. The table lists errors in %, for each method at "
+      "its best bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
-  text += "\nThe next table lists the flicker in % at equal evaluations:\n\n";
+  text += "\nThe next table lists the flicker in %, with an equal number of evaluations:\n\n";
   text += table_of(with_budget(figures_of(result, "motions", "flicker"), true), moving, percent_text);
   text +=
-      "\nThe next table lists the processor time per frame at equal evaluations, divided by the time of the same "
-      "method with one tap at bias 0:\n\n";
+      "\nThe next table lists the processor time per frame with an equal number of evaluations, divided by the time of "
+      "the same method with one tap at bias 0:\n\n";
   text += table_of(with_budget(time_ratios(result), true), methods,
                    [](double ratio) { return fmt::format("{:.2f}", ratio); });
   return text + "\n";
@@ -234,8 +236,8 @@ ResultView view_filters(const Json& result) {
   tables += "\nThe next table lists, for each method, the lowest error in % and the bias that gives this error:\n\n";
   tables += best_bias_table(errors, methods);
   tables +=
-      "\nThe next table lists the flicker in %: the mean of a zoom, a pan and a turn, as medians over every fourth "
-      "map:\n\n";
+      "\nThe next table lists the flicker in %, averaged over a zoom, a pan and a turn. The values are medians over "
+      "every fourth map:\n\n";
   tables += table_of(flicker, moving, percent_text);
   tables += "\nThe next table lists the flicker of 4 lobes in %, for each motion:\n\n" + motion_table(result);
   tables +=
@@ -249,17 +251,15 @@ ResultView view_filters(const Json& result) {
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
-      fmt::format("The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s "
-                  "= 100). The {} "
-                  "maps are {}. Flicker is measured on pictures of half the size. Every method uses the same filter "
-                  "(`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest map and a "
-                  "box filter. The noise of the reference is at most {}. The noise of the blended reference is at most "
-                  "{}. *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
-                  "f' and "
-                  "their references t, t'. LEAN is drawn with its Jacobian.",
-                  result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(),
-                  map_names(result), sample_range(result), worst_noise(result, "noise"),
-                  worst_noise(result, "noise_blended")),
+      fmt::format(
+          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s = 100). "
+          "The {} maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the "
+          "same filter (`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest "
+          "level, averaged with a box filter. The noise of the reference is at most {}. The noise of the blended "
+          "reference is at most {}. *Flicker* is `sum |(f' - f) - (t' - t)| / sum t` for neighbouring frames `f`, `f'` "
+          "and their references `t`, `t'`. LEAN is drawn with its Jacobian.",
+          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
+          sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};
 }
 

@@ -30,7 +30,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::array kKappas = {1.0, 3.0, 12.0, 60.0, 400.0, 2000.0};
 constexpr std::array kExponents = {5.0, 20.0, 100.0, 500.0};
-constexpr std::array kTilts = {0.0, 30.0, 60.0, 75.0};  // degrees
+constexpr std::array kTilts = {0.0, 30.0, 60.0, 75.0};  // in degrees
 
 // A direction and its solid angle.
 struct Direction {
@@ -61,7 +61,7 @@ std::vector<Direction> hemisphere() {
   return all;
 }
 
-using Values = std::vector<double>;  // one a direction
+using Values = std::vector<double>;  // one value per direction
 
 Values each(const std::vector<Direction>& directions, const std::function<double(double theta)>& value) {
   Values values;
@@ -69,7 +69,7 @@ Values each(const std::vector<Direction>& directions, const std::function<double
   return values;
 }
 
-// Relative L1 error in %, over solid angle.
+// Returns the relative L1 error in %, integrated over solid angle.
 std::string relative_l1(const std::vector<Direction>& directions, const Values& model, const Values& reference) {
   double off = 0.0, total = 0.0;
   for (std::size_t i = 0; i < reference.size(); ++i) {
@@ -79,8 +79,8 @@ std::string relative_l1(const std::vector<Direction>& directions, const Values& 
   return fmt::format("{:.2f}", 100.0 * off / total);
 }
 
-// The shading kernels with which a bake measures its own error, on one lobe or moment. The runtime's GLSL equals them
-// (tests/agreement).
+// Runs the shading kernels with which a bake measures its own error, on one lobe or moment. The runtime's GLSL code
+// computes the same values (tests/agreement).
 class ShadingKernels {
  public:
   explicit ShadingKernels(Device& device) : device_(device) {}
@@ -123,7 +123,7 @@ glm::vec4 upright_lobe(double kappa) {
   return {0.0f, 0.0f, static_cast<float>(1.0 - reference::vmf_spread(kappa)), 1.0f};
 }
 
-// Applies the mean-cosine product to each term of a BRDF on a lobe (METHODS: A = |r| A(lambda)).
+// Convolves each term of a BRDF with a lobe, by a product of mean cosines: A = |r| A(lambda).
 Values product_of_terms(const std::vector<VmfTerm>& terms, double kappa, const std::vector<Direction>& directions) {
   const double spread = reference::vmf_spread(kappa);
   std::vector<double> kappas;
@@ -149,7 +149,7 @@ std::vector<std::string> kappa_head() {
   return head;
 }
 
-// One row: the error at each kappa.
+// A row of a table: returns the error at a kappa.
 using Row = std::function<std::string(double kappa)>;
 void add_row(MarkdownTable& table, const std::string& name, const Row& error) {
   std::vector<std::string> cells = {name};
@@ -254,7 +254,7 @@ void add_facets(MarkdownTable& table, const std::vector<Direction>& directions, 
   }
 }
 
-// Errors of harmonics, which are exact up to their order.
+// Makes a table of the errors of harmonics, which are exact up to their order.
 std::string harmonics_table(const std::vector<Direction>& directions) {
   constexpr std::array kOrders = {2, 4, 8, 12, 20};
   std::vector<std::string> head = {"harmonics up to order"};
@@ -262,7 +262,7 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
   MarkdownTable table(head);
   const auto add = [&](const std::string& name, double s, double kappa, const Values& reference) {
     Brdf lobe, facets;
-    lobe.kind = BrdfKind::kTorranceSparrow;  // a vMF
+    lobe.kind = BrdfKind::kTorranceSparrow;  // the facets have a vMF distribution
     lobe.sigma = static_cast<float>(std::sqrt(0.5 / kappa));
     facets.kind = BrdfKind::kBlinnPhong;
     facets.exponent = static_cast<float>(s > 0.0 ? s : 1.0);
@@ -333,7 +333,7 @@ Values shaded(const Normals& normals, const std::vector<Direction>& directions, 
   return values;
 }
 
-// Errors of Gaussians on the plane and of slopes, at some tilts.
+// Makes a table of the errors of planar Gaussians and of slope Gaussians, at several tilts.
 std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& directions) {
   std::vector<std::string> head = {"Gaussian, tilt in degrees"};
   for (const double tilt : kTilts) head.push_back(fmt::format("{:g}", tilt));
@@ -394,8 +394,9 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_facets(lobes, round, brdfs);
   return "Each formula is applied to a distribution of exactly the shape that the formula assumes. The whole error "
          "therefore comes from the formula. Errors are relative L1 errors in % over the hemisphere, compared with "
-         "quadrature in double precision. The comparison covers the shape of the convolution, without n . l, Fresnel "
-         "and visibility. The rows for Blinn-Phong, Lambert, Gaussians and moments are computed by the kernels that "
+         "quadrature in double precision. The comparison covers only the shape of the convolution, and omits the "
+         "factors `n . l`, Fresnel and visibility. The rows for Blinn-Phong, Lambert, Gaussians and moments are "
+         "computed by the kernels that "
          "measure a bake. tests/agreement shows that the runtime's GLSL code agrees with these kernels. The other rows "
          "are computed in double precision.\n\n" +
          lobes.text() +

@@ -10,7 +10,7 @@
 
 namespace multum::bench {
 
-/// Returns Markdown. `brdfs`: folder of measured BRDFs; empty: none.
+/// Returns Markdown. `brdfs` is a folder of measured BRDFs, or empty.
 std::string formula_section(Device& device, const std::string& brdfs);
 
 }  // namespace multum::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of a result of `multum-bench infer`.
+// Writes the text of a result of `multum-bench infer`.
 #include <fmt/format.h>
 
 #include "host/fields/inference/solver/texture_inference.h"
@@ -86,34 +86,34 @@ ResultView view_inference(const Json& result) {
   return {
       "Texture inference against Eigen",
       fmt::format(
-          "Pictures of {0} x {1} pixels show a plane with a texture of {2} x {2} texels. The system has three colours, "
-          "single precision and no regularisers. The solver starts at 0.5. The pictures are computed from the texture "
-          "itself and have little contrast, so no texel reaches a bound. Both programs therefore compute the same "
-          "steps of the preconditioned conjugate gradient method. *Eigen* is the fastest variant of its "
-          "`LeastSquaresConjugateGradient`, with one solve per colour (Eigen solves three columns in the same way). "
-          "Eigen was compiled for this machine ({3}). *Iteration* is the time per iteration: the time of {4} "
-          "iterations minus the time of {5} iterations, divided by the difference in iterations. *Whole solve* is the "
-          "time of {4} iterations and of all preparation. "
-          "*Three columns at once* is the same iteration for all colours together. This program is written with "
-          "Eigen's products, because Eigen itself offers no such solver. *Regularised* is multum's iteration with the "
-          "default pyramid_weight, which Eigen does not support. The "
-          "programs ran alternately in {6} pairs on {7} threads, and each ratio compares the two runs of a pair. "
-          "*Largest difference* is the largest difference between multum's and Eigen's texels (0 to 1) after {4} "
-          "iterations.",
+          "Pictures of {0} x {1} pixels show a plane with a texture of {2} x {2} texels. The system of equations has "
+          "three colours and no regularisers. Both programs compute in single precision, and start from texels of 0.5. "
+          "The pictures are computed from the texture itself and have little contrast, so no texel reaches a bound. "
+          "Both programs therefore compute the same steps of the preconditioned conjugate gradient method. *Eigen* is "
+          "the fastest variant of Eigen's `LeastSquaresConjugateGradient`, with one solve per colour (Eigen solves "
+          "three columns in the same way). Eigen was compiled for this machine ({3}). *Iteration* is the time per "
+          "iteration: the time of {4} iterations minus the time of {5} iterations, divided by the difference in "
+          "iterations. *Whole solve* is the time of {4} iterations and of all preparation. *Three columns at once* is "
+          "the time of the same iteration for all colours together. This program is written with Eigen's products, "
+          "because Eigen itself offers no such solver. *Regularised* is the time of multum's iteration with the "
+          "default pyramid_weight, which Eigen does not support. The programs ran alternately in {6} pairs on {7} "
+          "threads, and each ratio compares the two runs of a pair. *Largest difference* is the largest difference "
+          "between multum's and Eigen's texels (0 to 1) after {4} iterations.",
           size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
           result.at("repetitions").get<int>(), result.at("threads").get<int>()),
       solver_table(systems) +
           "\nThe next table lists the times of matrix products for three colours. The column GB/s counts each vector "
           "once, and the matrix as stored in blocks of 8 entries.\n\n" +
           product_table(systems) +
-          "\nThe next table lists the iterations until the gradient falls to 1e-3 of its value for a black texture. "
-          "The textures have full contrast, and the solver chooses its steps as usual.\n\n" +
+          "\n"
+          "The next table lists the number of iterations until the gradient falls to 1e-3 of the gradient of a black "
+          "texture. The textures have full contrast, and the solver chooses its steps as usual.\n\n" +
           convergence_table(systems) +
-          "\nFor stacked pictures, the next table compares two methods: products with A and then A^T, and products "
-          "with the matrix A^T A. The solver uses A^T A if this matrix has fewer than twice as many entries as A "
-          "(`kNormalEntriesMax`, "
-          "`host/fields/inference/solver/texture_system.cpp`). With somewhat more entries, products with A^T A would "
-          "still be faster, but computing A^T A takes time.\n\n" +
+          "\n"
+          "For stacked pictures, the next table compares two methods: products with A and then A^T, and products with "
+          "the matrix A^T A. The solver uses A^T A if this matrix has fewer than twice as many entries as A "
+          "(`kNormalEntriesMax`, `host/fields/inference/solver/texture_system.cpp`). With somewhat more entries, "
+          "products with A^T A would still be faster, but computing A^T A takes time.\n\n" +
           form_table(result.at("forms"))};
 }
 

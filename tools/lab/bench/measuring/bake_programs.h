@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands of the benchmarks of whole bakes: multum from this program's folder, maketx from PATH.
+// Makes the commands for benchmarks of whole bakes. multum comes from this program's folder, and maketx comes from
+// PATH.
 #pragma once
 
 #include <string>
@@ -10,10 +11,10 @@
 namespace multum::bench {
 
 struct BakeCommandOptions {
-  int lobes = 4;                      // 0: no option for lobes
-  int threads = 0;                    // 0: all cores, the default of both programs
-  std::string report;                 // JSON file from the bake; empty: none
-  std::vector<std::string> appended;  // more options of `multum bake`
+  int lobes = 4;                      // number of lobes; no option for lobes if 0
+  int threads = 0;                    // number of threads; all cores if 0, the default of both programs
+  std::string report;                 // JSON file that the bake writes; no file if empty
+  std::vector<std::string> appended;  // additional options of `multum bake`
 };
 
 /// Finds a program in the folder of this program, or a test in the archive's folder below it (tools/bundle). Throws
@@ -24,12 +25,12 @@ std::string neighbouring_program(const std::string& name);
 std::vector<std::string> multum_bake_command(const std::string& map, const std::string& output,
                                              const BakeCommandOptions& options);
 
-/// The OpenCL device that a bake's report names. The benchmark itself opens no device, because a driver takes memory
-/// and
-/// this process must stay small (measured_program.h).
+/// Returns the OpenCL device that a bake's report names. The benchmark itself opens no device, because a driver needs
+/// memory and this process must stay small (measured_program.h).
 std::string device_of_report(const std::string& path);
 
-/// Converts the same map to slopes and their squares (LEAN mapping), the most that maketx keeps of a normal map.
+/// Converts the same map to slopes and their squares (LEAN mapping). maketx cannot keep more information about a
+/// normal map.
 std::vector<std::string> maketx_command(const std::string& map, const std::string& output, int threads);
 
 /// Returns "2.4.7.1". Throws Error(kEnvironment) that names maketx's package if it is missing.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a command as results quote it.
+// Writes a command in the form in which results quote it.
 #pragma once
 
 #include <string>
@@ -7,9 +7,8 @@
 
 namespace multum::bench {
 
-/// Writes a command as a person would type it in the folder of its files: quoted for a shell, with absolute paths cut
-/// to
-/// the file's name.
+/// Writes a command as a person would type it in the folder of its files: quoted for a shell, with absolute paths
+/// shortened to file names.
 std::string command_text(const std::vector<std::string>& command);
 
 }  // namespace multum::bench

@@ -44,13 +44,13 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::string& extens
   return files;
 }
 
-// Lists one "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per line; empty without ldconfig.
+// Returns one line such as "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per library; empty without ldconfig.
 std::string loader_list() {
   for (const char* program : {"/sbin/ldconfig", "/usr/sbin/ldconfig"}) {
     try {
       const ChildResult result = run_child({program, "-p"});
       if (result.exit_code == 0) return result.output;
-    } catch (const Error&) {  // not there
+    } catch (const Error&) {  // the program does not exist
     }
   }
   return "";

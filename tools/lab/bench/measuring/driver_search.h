@@ -13,8 +13,8 @@
 namespace multum::bench {
 
 struct FoundDriver {
-  std::string library;   // its path
-  std::string named_by;  // the file that names it to the loader; empty: none
+  std::string library;   // path of the library
+  std::string named_by;  // file that names the driver to the loader; empty if there is none
 };
 
 struct DriverSearch {
@@ -24,7 +24,7 @@ struct DriverSearch {
 /// Searches ld.so's list and the usual folders of makers and containers. Changes nothing.
 DriverSearch find_drivers();
 
-/// Names the drivers that no file names, by files in `folder` and variables of the environment. Call it before any
+/// Registers the drivers that no file names, with files in `folder` and environment variables. Call it before any
 /// thread starts.
 void name_drivers(const DriverSearch& found, const std::string& folder);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures elapsed seconds by a clock that is never set.
+// Measures elapsed seconds with a clock that is never adjusted.
 #pragma once
 
 #include "host/foundation/base/stopwatch.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the GL contexts of this machine: each display of EGL, a GPU or software, and OSMesa.
+// Lists the GL contexts of this machine: each EGL display (a GPU or software), and OSMesa.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -38,7 +38,7 @@ std::uint64_t memory_bytes() {
 std::string file_system_name(const std::string& folder) {
   struct statfs found = {};
   if (statfs(folder.c_str(), &found) != 0) return "unknown";
-  switch (static_cast<unsigned long>(found.f_type)) {  // statfs(2); ext2 and ext3 have the number of ext4
+  switch (static_cast<unsigned long>(found.f_type)) {  // numbers from statfs(2); ext2 and ext3 share ext4's number
     case 0xEF53: return "ext4";
     case 0x58465342: return "xfs";
     case 0x9123683E: return "btrfs";

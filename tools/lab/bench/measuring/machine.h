@@ -8,8 +8,8 @@
 namespace multum::bench {
 
 std::string processor_name();
-std::string system_name();  // "Debian GNU/Linux 12 (bookworm)"
-int core_count();           // cores that this process may use
+std::string system_name();  // such as "Debian GNU/Linux 12 (bookworm)"
+int core_count();           // number of cores that this process can use
 std::uint64_t memory_bytes();
 
 /// Names the folder's file system: "ext4", "tmpfs", or its number in hexadecimal if the name is unknown.

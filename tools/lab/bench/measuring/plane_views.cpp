@@ -11,12 +11,13 @@
 namespace multum::bench {
 namespace {
 
-constexpr double kHorizon = 0.15;  // distance above the picture, in heights; points are 0.87..6.7 camera heights away
+// Distance of the horizon above the picture, in picture heights. Visible points are 0.87 to 6.7 camera heights away.
+constexpr double kHorizon = 0.15;
 constexpr double kScaleS = 1.6, kScaleT = 0.4;  // repetitions of the texture: one texel per pixel in the foreground
 // Least fraction between texels and levels. Every visible texel then has enough weight to be known in single precision
 // without regularisers, so no texel reaches a bound.
 constexpr double kFractionMin = 1.0 / 8;
-constexpr double kTurn = 2.3999632;  // angle between cameras, radians: all views differ
+constexpr double kTurn = 2.3999632;  // angle between cameras in radians, for which all views differ
 
 using Entry = std::pair<std::uint32_t, double>;
 
@@ -34,7 +35,8 @@ void add_bilinear(const MipLevelPlace& level, double s, double t, double share, 
     }
 }
 
-// Adds one sub-pixel at (x, y) of the picture, 0..1: the plane's point, and its level by the larger footprint.
+// Adds one sub-pixel at (x, y) of the picture, each from 0 to 1: the point of the plane, and the level by the larger
+// side of its footprint.
 void add_sample(const PlaneView& view, const MipLayout& layout, double x, double y, int width, int height,
                 std::vector<Entry>& entries) {
   const double distance = 1.0 / (kHorizon + y), angle = kTurn * view.camera;
@@ -50,7 +52,7 @@ void add_sample(const PlaneView& view, const MipLayout& layout, double x, double
   if (fraction > 0.0) add_bilinear(layout.levels[fine + 1], s, t, fraction, entries);
 }
 
-// Adds up entries of the same texel; columns ascend.
+// Sorts entries by column, and adds up entries of the same texel.
 void merge(std::vector<Entry>& entries) {
   std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.first < b.first; });
   std::size_t kept = 0;

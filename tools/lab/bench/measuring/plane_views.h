@@ -10,14 +10,14 @@
 namespace multum::bench {
 
 struct PlaneView {
-  int texture_side = 512;  // a power of two; the picture has 5/4 of its width and 15/16 of its height
+  int texture_side = 512;  // side of the texture, a power of two; the picture is 5/4 as wide and 15/16 as high
   int camera = 0;          // number of the camera; each looks in another direction
-  int sub_pixels = 1;      // along each side of a pixel; rows of sub-pixels are averaged as in multum-view
+  int sub_pixels = 1;      // sub-pixels along each side of a pixel; their rows are averaged as in multum-view
 };
 
 FilterMatrix plane_filter_matrix(const PlaneView& view, int threads);
 
-/// Three colours per texel, noise within `contrast` of 0.5; every level is the mean of the finer level.
+/// Returns three colours per texel: noise within `contrast` of 0.5. Every level is the mean of the finer level.
 std::vector<float> plane_texels(const MipLayout& layout, double contrast);
 
 }  // namespace multum::bench

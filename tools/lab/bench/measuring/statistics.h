@@ -25,7 +25,7 @@ Spread parse_spread(const nlohmann::ordered_json& json);
 /// round to the same number.
 std::string spread_text(const Spread& spread);
 
-/// Writes `value` with three significant digits, or as a whole number if that has more: "0.00123", "1.23", "1235".
+/// Writes `value` with three significant digits, or as a whole number if it has more digits: "0.00123", "1.23", "1235".
 std::string rounded_text(double value);
 
 }  // namespace multum::bench

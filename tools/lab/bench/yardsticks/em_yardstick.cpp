@@ -53,8 +53,9 @@ float sum_v(V v) {
   return sum;
 }
 
-// Flushes subnormal floats to 0 in this thread, until it goes out of scope. Shares of lobes far from a normal are
-// subnormal, and Intel's processors compute with them a hundred times slower. The kernels avoid them (movmf_em.clh).
+// Flushes subnormal floats to 0 in this thread, until the object goes out of scope. Shares of lobes far from a normal
+// are subnormal, and Intel's processors compute with subnormal floats a hundred times slower. The kernels avoid
+// subnormal floats (movmf_em.clh).
 class FlushedToZero {
  public:
   FlushedToZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040); }
@@ -196,7 +197,8 @@ void load_start(const float* start, Lobes<kLobes>& lobes) {
   }
 }
 
-// Fits fine levels with one texel per lane. A group is one vector, or two with 8 lanes, the first at `first_lane`.
+// Fits fine levels with one texel per lane. The texels of a group fill one vector of 16 lanes or two vectors of 8
+// lanes. `first_lane` is the number of the vector's first texel in the group.
 template <int kLobes>
 void fit_lanes(const YardstickLevel& level, int group, int first_lane, float* out) {
   const float inverse_count = 1.0f / static_cast<float>(level.sample_count);
@@ -242,7 +244,7 @@ void fit_texel(const YardstickLevel& level, int texel, float* out) {
   const int chunks = (side + rows_per_chunk - 1) / rows_per_chunk;
   const int x0 = texel % level.level_width * side, y0 = texel / level.level_width * side;
   const float inverse_count = 1.0f / (static_cast<float>(side) * static_cast<float>(side));
-  // This texel's start, spread over all lanes.
+  // The start of this texel, copied to all lanes.
   std::vector<float> start(static_cast<std::size_t>(kLobes * MULTUM_START_PLANES * MULTUM_GROUP));
   const float* from =
       level.start + static_cast<std::size_t>(texel / MULTUM_GROUP) * start.size() + texel % MULTUM_GROUP;

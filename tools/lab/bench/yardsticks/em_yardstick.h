@@ -14,23 +14,24 @@ namespace multum::bench {
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
-  int group_count;       // groups of 16 texels each
-  int sample_count;      // a texel
+  int group_count;       // number of groups, of 16 texels each
+  int sample_count;      // samples per texel
   const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
   const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
   float kappa_cap;
   float kappa_cap_slope;
-  // Coarse levels: a texel is a rectangle of the planes.
+  // Planes for coarse levels, where a texel is a rectangle of the planes.
   const float* plane_x = nullptr;
   const float* plane_y = nullptr;
   const float* plane_z = nullptr;
   int map_width = 0;
   int level_width = 0;
   int texel_count = 0;
-  int texel_side = 0;  // finest texels along a side
+  int texel_side = 0;  // number of finest texels along a side of a texel
 };
 
-/// Returns (r_x, r_y, r_z, a) of [lobe][texel slot], by the build for `instructions`, which the processor must have.
+/// Returns (r_x, r_y, r_z, a) of [lobe][texel slot]. Runs the build for `instructions`, which the processor must
+/// support.
 std::vector<float> fit_with_yardstick(const YardstickLevel& level, Instructions instructions);
 
 }  // namespace multum::bench

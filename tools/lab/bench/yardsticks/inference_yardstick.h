@@ -14,7 +14,7 @@ namespace multum::bench {
 enum class YardstickForm {
   kRowMajor,      // LeastSquaresConjugateGradient, one solve per colour: A gathers, A^T scatters
   kColumnMajor,   // as kRowMajor, but A scatters and A^T gathers
-  kThreeColumns,  // its iteration, written with Eigen's products for three columns; A and A^T gather
+  kThreeColumns,  // the same iteration, written with Eigen's products for three columns; A and A^T gather
 };
 
 struct YardstickWay {
@@ -27,7 +27,8 @@ std::string yardstick_name(const YardstickWay& way);
 class InferenceYardstick {
  public:
   virtual ~InferenceYardstick() = default;
-  /// `colours`: three per row; `start`: three per texel. Takes exactly `iteration_count` iterations.
+  /// `colours` contains three values per row, and `start` contains three values per texel. Runs exactly
+  /// `iteration_count` iterations.
   virtual std::vector<float> solve(const std::vector<float>& colours, const std::vector<float>& start,
                                    int iteration_count) = 0;
 };
