@@ -33,7 +33,7 @@ gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure
     gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain);
     const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
     const bool is_reference = &one == &pictures[0];
-    rows[1].push_back({is_reference ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
+    rows[1].push_back({is_reference ? "4 x difference" : fmt::format("{}: error {:.1f} %", one.name, 100.0 * error),
                        std::move(difference)});
   }
   return gl::make_contact_sheet(rows, 1.0f / exposure);
