@@ -374,7 +374,7 @@ class JobFilesTest(ClientCase):
                               env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}",
                                        MULTUM_TOKEN_FILE="/dev/null"))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("event: job", done.stdout)
+        self.assertIn('"state":"succeeded"', done.stdout)
         self.assertEqual(sorted(os.listdir(here)), ["rock.ndf.exr", "rock_normal.png"])
         with open(os.path.join(here, "rock.ndf.exr"), "rb") as one, \
                 open(os.path.join(self.results(), "rock.ndf.exr"), "rb") as other:

@@ -211,7 +211,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
              "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
              "of {} fits on {} cores, and includes the start of the fit. One fit per row compiled the kernels before "
              "the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
-             core_count(), kTimedRounds) +
+             kTimedRounds, core_count()) +
          summary +
          fmt::format(
              "\nThe next table repeats the errors for other random seeds of the noise quarter, to show how much the "
