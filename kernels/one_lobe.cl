@@ -91,7 +91,8 @@ static inline void mean_normals(__global const float* averages, int stride, real
   *z = usable ? *z * inverse : (real_v)(1.0f);
 }
 
-// Returns the index of the first slope of texels; `texel` is a multiple of MULTUM_VECTOR_WIDTH.
+// Returns the index of the first slope of the vector of texels that starts at `texel`, a multiple of
+// MULTUM_VECTOR_WIDTH.
 static inline size_t slopes_of(int texel, MultumOneLobePiece piece) {
   const size_t block_size = (size_t)(2 * piece.grid * piece.grid) * MULTUM_ONE_LOBE_BLOCK;
   return texel / MULTUM_ONE_LOBE_BLOCK * block_size + texel % MULTUM_ONE_LOBE_BLOCK;

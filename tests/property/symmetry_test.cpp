@@ -94,8 +94,8 @@ glm::dvec4 lobe_sum(const MovmfLevel& level, std::size_t texel) {
   return sum;
 }
 
-// The largest difference of properties that every layout keeps, and of the lobes of levels 1 and up, in the levels that
-// both pyramids have.
+// The largest difference, over the levels that both pyramids have, between properties that do not depend on the layout,
+// or (from level 1 up) between lobes.
 struct Differences {
   double finest = 0.0, mean = 0.0, energy = 0.0, lobes = 0.0;
 };

@@ -58,7 +58,7 @@ void check_values(const CLI::App& app) {
 
 // NewFolders removes folders that stay empty, so a command that fails leaves no folder.
 void make_output_folders(const CLI::App& command) {
-  if (command.get_option_no_throw("--server") != nullptr) return;  // the output is on the disk of the service
+  if (command.get_option_no_throw("--server") != nullptr) return;  // the output is on the service's disk
   for (const CLI::Option* option : command.get_options()) {
     const bool is_output = std::any_of(std::begin(kOutputs), std::end(kOutputs),
                                        [&](const char* name) { return option->check_lname(name); });

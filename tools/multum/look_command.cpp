@@ -68,7 +68,8 @@ void add_look_command(CLI::App& app, int* exit_code) {
   command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command
       ->add_option("--source", o.sources,
-                   "read the normal map of a baked file from here; once per file (default: level 0 of the file)")
+                   "normal map from which the file was baked; give the option once per file (default: level 0 of the "
+                   "file)")
       ->allow_extra_args(false);
   command->add_option("-o,--output", o.job.output,
                       "page to write, *.html (default: the name of the input, or look.html for several)");

@@ -146,8 +146,8 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   const ShadingOptions& shading = options.shading;
   if (scenes.basis.size() > 1 && scenes.basis.size() != static_cast<std::size_t>(baked.weight_count))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} weights, found {} times --brdf, expected one, or one per weight", file,
-                            baked.weight_count, scenes.basis.size()));
+                fmt::format("{}: holds {} weights, but --brdf was given {} times; give it once, or once per weight",
+                            file, baked.weight_count, scenes.basis.size()));
   if (baked.has_roughness) check_options_of_roughness(file, options, compares);
   const RepresentationInfo& info = representation_info(baked.representation);
   const auto refuse = [&](const char* option, const char* expected) {

@@ -81,9 +81,9 @@ const ViewCommand kOwnCommands[] = {
      [](const CommandOptions& o) { return draw_model(o.model); }},
     {"thumbnails", "Draw small pictures of the input and result of a job, for the page of the service",
      "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
-     "Writes render.png. With --source, if the map did not change since the bake, it also writes input.png and\n"
-     "error.png, which shows the error four times as bright. For a folder of `multum infer` it writes render.png\n"
-     "only.",
+     "Writes render.png. With --source, if the map has not changed since the bake, it also writes input.png and\n"
+     "error.png, which shows the error four times as bright. For a folder written by `multum infer` it writes only\n"
+     "render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
     {"each", "Run several command lines in one process, so that GL is loaded once",

@@ -158,7 +158,7 @@ void check_map_options(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const SourceOptions& source = options.source;
   if (!picture.camera.distances.empty() && picture.surface.mesh.empty())
-    throw Error(ErrorCode::kUsage, "--distance needs a mesh, found no --mesh");
+    throw Error(ErrorCode::kUsage, "--distance requires --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
     throw Error(ErrorCode::kUsage,
                 "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, with which "
@@ -166,8 +166,7 @@ void check_map_options(const MapOptions& options) {
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} needs --source, found none: both describe the map of the bake", option));
+      throw Error(ErrorCode::kUsage, fmt::format("{} requires --source: both describe the baked map", option));
   if (!options.brdf_roughness.empty()) check_brdf_roughness(options);
   if (!options.comparison.kept_reference.empty() &&
       (!options.animation.folder.empty() || !picture.camera.distances.empty() || options.comparison.is_of_texels()))
@@ -178,7 +177,7 @@ void check_map_options(const MapOptions& options) {
   if (picture.light.environment.empty() &&
       (picture.light.environment_turn || to.environment_turn || !to.environment.empty()))
     throw Error(ErrorCode::kUsage,
-                "--environment-turn, --to-environment and --to-environment-turn need --environment, found none");
+                "--environment-turn, --to-environment and --to-environment-turn require --environment");
   const bool has_frames = !options.animation.folder.empty();
   if (has_frames != options.animation.changes_anything())
     throw Error(ErrorCode::kUsage, has_frames

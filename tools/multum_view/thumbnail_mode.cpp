@@ -117,7 +117,7 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
 }  // namespace
 
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options) {
-  app.add_option("result", options.result, "baked file, *.ndf.exr, or folder of `multum infer`")->required();
+  app.add_option("result", options.result, "baked file, *.ndf.exr, or folder written by `multum infer`")->required();
   app.add_option("-o,--output", options.folder, "folder for the pictures")->required();
   app.add_option("--source", options.source, "normal map of the bake");
   app.add_option("--albedo", options.albedo, "read the colours of the source from this map");

@@ -75,8 +75,9 @@ void check_materials(const MapOptions& options, const BakedHeader& baked, const 
   if (brdf_count > 1 && options.source.weights.empty())
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("{}: found {} times --brdf and no --weights, expected the weight map of the bake with --source",
-                    options.file, brdf_count));
+        fmt::format(
+            "{}: --brdf was given {} times without --weights, expected the weight map of the bake with --source",
+            options.file, brdf_count));
 }
 
 /// Returns the normals of the bake, shortened by roughness. Works on planes and makes texels only at the end.

@@ -44,9 +44,9 @@ MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
 /// Sum over all levels, for bakes that compute all levels at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
-/// Bytes that remain for windows and buffers next to `waiting_bytes` of rows of tiles. A default amount is already
-/// reserved for every bake (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory if too little
-/// remains.
+/// Bytes left for windows and buffers, in addition to the `waiting_bytes` used by rows of tiles. A default amount is
+/// already reserved for every bake (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory if too
+/// little remains.
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 
 /// Findings about a file, and a meter that has read its rows.

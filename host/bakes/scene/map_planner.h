@@ -18,8 +18,8 @@ struct EstimatedRepresentation;
 
 class MapPlanner {
  public:
-  /// Surveys the map; `map`: index into scene.maps, which was read as `source`. `scene` must outlive the object.
-  /// Throws Error(kInput) if the map does not have a weight for each material.
+  /// Surveys scene.maps[map], which has been read into `source`. `scene` must outlive the object. Throws Error(kInput)
+  /// if the map does not have a weight for each material.
   MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
              const PlanSettings& settings);
 

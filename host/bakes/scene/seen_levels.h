@@ -6,9 +6,9 @@
 
 namespace multum {
 
-/// The finest and the coarsest level that the default filter reads (host/formats/asset/tap_filter.h), from 0 to
-/// level_count - 1. A pixel in a corner of the picture, closest to the surface and facing it, covers the fewest
-/// texels. A pixel in the middle, farthest from a surface that is seen at object.tilt_max, covers the most.
+/// The finest and the coarsest level that the default filter reads (tap_filter.h), from 0 to level_count - 1. A pixel
+/// in a corner of the picture, closest to the surface and facing it, covers the fewest texels. The largest footprint is
+/// that of a pixel in the middle of the picture, at the farthest distance, on a surface tilted by object.tilt_max.
 struct SeenLevels {
   int first, last;
 };

@@ -65,7 +65,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   std::size_t count = 0;
   const auto check = [&](int depth, nlohmann::detail::parse_event_t, GltfJson&) {
     if (depth > kGltfDepthMax)
-      refuse_file(path, fmt::format("nests its JSON deeper than {} levels, the limit", kGltfDepthMax));
+      refuse_file(path, fmt::format("nests its JSON deeper than the limit of {} levels", kGltfDepthMax));
     if (++count > kGltfValuesMax)
       refuse_file(path, fmt::format("has more than {} values in its JSON, the limit", kGltfValuesMax));
     return true;

@@ -20,8 +20,8 @@ bool is_brdf_file(const std::string& text);
 /// Returns text that parse_brdf() reads, with F0 if the family has it. `measured_file` is the text for a measurement.
 std::string brdf_text(const Brdf& brdf, const std::string& measured_file);
 
-/// Say why errors of the BRDF cannot be measured, or why an environment cannot light it: what was found and what was
-/// expected. Return an empty text if there is no obstacle.
+/// Return why errors cannot be measured for the BRDF, or why an environment cannot light it, as a text "found ...,
+/// expected ...". Return an empty text if there is no obstacle.
 std::string measuring_refusal(const Brdf& brdf);
 std::string environment_refusal(const Brdf& brdf);
 

@@ -75,8 +75,8 @@ constexpr double kDullShareMax = 0.1;
 constexpr double kColourCorrelationMin = 0.6;
 constexpr double kColourDifferenceMin = 0.01;
 
-/// Multiplies unit normals by c of the roughness map, which must have their size. Throws Error(kInput) naming the
-/// file, what was found and what was expected.
+/// Scales each unit normal by c from the roughness map, which must have the same size as the normals. Throws
+/// Error(kInput) naming the file, what was found and what was expected.
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 

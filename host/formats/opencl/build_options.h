@@ -16,8 +16,8 @@ struct KernelVariant {
   int sh_order = 0;       // order of spherical harmonics, 1..20; 0 for a kernel without harmonics
 };
 
-/// `rounds_when_asked`: the device rounds divisions and roots as IEEE requires only in programs built with an
-/// option.
+/// `rounds_when_asked`: the device rounds divisions and square roots correctly (IEEE 754) only if the program is built
+/// with the option that requests it.
 std::string build_options(const KernelVariant& variant, bool rounds_when_asked);
 
 }  // namespace multum

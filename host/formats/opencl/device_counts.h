@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts the work of a device for one job. A process uses one device for many jobs, and the counts of Device begin at
-// its opening.
+// Counts the work of a device for one job. A process uses one device for many jobs, and Device counts from the moment
+// the device is opened.
 #pragma once
 
 #include <cstdint>

@@ -18,8 +18,8 @@ struct PageTemplate {
   std::string_view script;  // JavaScript; runs after `data` is parsed and its "title" shown
 };
 
-/// `data` may hold untrusted text: the page stores the text as data, and the script of the page makes text nodes from
-/// it.
+/// `data` may hold untrusted text: the page stores the text as data, and the page's script inserts the text as text
+/// nodes.
 std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& data);
 
 /// Returns JSON that is safe within a script element: it can neither end nor change the element.

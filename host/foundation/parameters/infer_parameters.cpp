@@ -42,7 +42,7 @@ const ParameterTable& infer_parameters() {
                  .surfaces = kJob},
                 {.name = "context",
                  .kind = Kind::kChoice,
-                 .help = "infer textures for this GL: auto, osmesa (software) or egl",
+                 .help = "use this OpenGL implementation for drawing: auto, osmesa (software) or egl",
                  .default_text = "auto",
                  .choices = choice_names(kContextBackends),
                  .surfaces = kJob},

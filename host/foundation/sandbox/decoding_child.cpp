@@ -69,13 +69,13 @@ std::string DecodedFile::answer(const std::string& request, const std::function<
   } catch (const HelperEnded& ended) {
     if (ended.lacked_memory())
       throw Error(ErrorCode::kEnvironment,
-                  fmt::format("{}: decoding failed (its process {}), probably for lack of memory; expected {} bytes of "
+                  fmt::format("{}: decoding failed (the decoder {}), probably for lack of memory; expected {} bytes of "
                               "memory: use a machine, a container or limits (ulimit -v) that leave as much",
                               path_, ended.what(), limits_.memory_max));
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: decoding failed (its process {}); expected an undamaged file that {} reads with {} bytes "
-                    "of memory in {} s",
+        fmt::format("{}: decoding failed (the decoder {}); expected an undamaged file that {} can decode within {} "
+                    "bytes of memory and {} s",
                     path_, ended.what(), library_, limits_.memory_max,
                     std::chrono::duration<double>(limits_.time_max).count()));
   }

@@ -138,8 +138,8 @@ bool PathRoots::is_inside(const std::string& canonical) const {
 
 std::string PathRoots::input(const std::string& path) const {
   if (!path.starts_with('/'))
-    throw Error(ErrorCode::kUsage, fmt::format("'{}': expected an absolute path of a file below {}, or the path "
-                                               "in the answer to its upload",
+    throw Error(ErrorCode::kUsage, fmt::format("'{}': expected the absolute path of a file below {}, or the path "
+                                               "that the service returned for an upload",
                                                path, fmt::join(roots_, ", ")));
   std::error_code error;
   const fs::path canonical = fs::canonical(path, error);

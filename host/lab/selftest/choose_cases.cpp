@@ -25,8 +25,8 @@ struct ChosenRow {
 
 constexpr std::size_t kChosenParents = kGroup, kChosenWidth = 2 * kGroup, kChosenMapWidth = 2 * kChosenWidth;
 
-// Returns lobes as [lobe][texel]. If `features` is given, the normals are also averaged as features: `features`
-// receives [lobe][texel], divided by the amplitude.
+// Returns lobes as [lobe][texel]. If `features` is given, the normals are also treated as features: their mean in each
+// lobe (the sum divided by the amplitude) is stored in `features`[lobe][texel].
 std::vector<MultumVmfLobe> choose_row(Device& device, const ChosenRow& row, int vector_width,
                                       std::vector<glm::dvec3>* features = nullptr) {
   MultumMovmfFit fit = {};

@@ -260,7 +260,7 @@ std::vector<NumericalCase> kappa_cases() {
        {probe_edit("const float scale = kappa > 1e-3f ? kappa", "const float scale = true ? kappa")}},
       {{"vmf-spread-12-decades", "device/vmf_shading.clh", "1/kappa - 2/(exp(2 kappa) - 1) cancels if kappa is near 0",
         "two terms of the series are used below kappa 0.1", 2e-5, "relative error",
-        "1/kappa = 10 is rounded twice by 6e-8, and so is the argument of exp"},
+        "1/kappa = 10 and the argument of exp are each rounded twice, with a relative error of 6e-8 each time"},
        vmf_spreads,
        {probe_edit("if (kappa < 0.1f) return", "if (false) return")}},
       {{"highlight-cosines-of-every-width", "device/vmf_shading.clh, probe_highlight_cosine",

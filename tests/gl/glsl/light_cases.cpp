@@ -413,7 +413,7 @@ std::vector<GlslCase> glsl_light_cases() {
        {"multum_environment_lobe", "multum_environment_specular", "multum_term_light"}},
       {{"glsl-environment-harmonics-of-no-light", "environment_sh.glsl", "a weight of 0 is used as a divisor",
         "the divisor is at least 1e-6", 5e-4, "absolute error",
-        "the inverse of kappa has an error of 2.3e-4, in each of eight bands"},
+        "in each of eight bands, the inverse of kappa has an error of 2.3e-4"},
        {glsl_edit("weight / max(plain, 1e-6)", "weight / plain")},
        harmonics_of_half_vectors,
        {"multum_half_vector_light", "multum_environment_specular"}},

@@ -430,7 +430,7 @@ TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
   EXPECT_NE(bytes("l0_bilinear.png"), bytes("l4_bilinear.png"));
   std::filesystem::remove(path("out.png"));
   expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface-level", "1"}, 2,
-                 {"--surface-level", "need --surface"});
+                 {"--surface-level", "require --surface"});
   expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface", path("h.exr")}, 2,
                  {"two", "--mesh or --surface"});
 }

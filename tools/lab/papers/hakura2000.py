@@ -187,7 +187,7 @@ def reproduce(study):
             figure(study, field)
     study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
                     "mapping. This forward mapping splats pixels bilinearly; the paper resamples with a",
-                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio to the forward mapping "
-                    "of the paper. docs/evidence/PLAYBACK.md shows curves of error over size, and the effect of each "
-                    "part of the coder.")
+                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio relative to the "
+                    "paper's forward mapping. docs/evidence/PLAYBACK.md plots error against size, and shows the effect "
+                    "of each part of the coder.")
     pages_that_play(study, fields)

@@ -284,8 +284,8 @@ def memory_section(found, table):
                           f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
     return ["#### Memory and quality", table(
         ["`--memory`", "peak, MiB", "MSE compared with frames that wait", "late images, %", ""], lines),
-        "The path is the diagonal with `--no-wait`: each frame is drawn with the textures that are decoded in "
-        "time."] if lines else []
+        "The path is the diagonal. The player runs with `--no-wait`: it draws each frame with the textures that have "
+        "been decoded by then."] if lines else []
 
 
 def browser_section(row, found, table):

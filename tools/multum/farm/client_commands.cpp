@@ -36,7 +36,7 @@ struct ClientOptions {
   bool json = false;
 };
 
-// Connects to the server of --server, of $MULTUM_SERVER, or to the default server.
+// Connects to the server given by --server or $MULTUM_SERVER, or else to the default server.
 HttpClient client_of(const ClientOptions& o) {
   const char* from_environment = std::getenv("MULTUM_SERVER");
   const std::string server = !o.server.empty()             ? o.server
@@ -214,8 +214,7 @@ void add_submit(CLI::App& app, int* exit_code) {
         add_submit_option(*command, *o, parameter);
       }
     }
-    CLI::Option* output =
-        command->add_option("-o,--output", o->output, "file or folder of the result, on the disk of the service");
+    CLI::Option* output = command->add_option("-o,--output", o->output, "output file or folder, on the service's disk");
     if (type.needs_output) output->required();
     for (const JobField& field : job_fields())
       // For job types with a --device parameter, --device chooses the OpenCL device.

@@ -178,7 +178,7 @@ void add_pack(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PackOptions>();
   PackOptions& o = *options;
   CLI::App* pack = app.add_subcommand(
-      "pack", "compress the textures of `multum infer` to one file (docs/reference/animation_jobs.md)");
+      "pack", "compress the textures that `multum infer` wrote into one file (docs/reference/animation_jobs.md)");
   pack->footer(
       "Example:\n"
       "  multum pack inferred -o field.mpt --page field.html\n"
@@ -186,10 +186,10 @@ void add_pack(CLI::App& app, int* exit_code) {
       "else several times. A page holds at most 16 MiB of field and geometry. If --memory is too small\n"
       "for one chunk, an error says how much is needed. Threads, memory and device do not change the file.\n"
       "--verbose prints the bytes and the error of every chunk.");
-  pack->add_option("folder", o.settings.folder, "folder of `multum infer`, or its inferred.json")->required();
+  pack->add_option("folder", o.settings.folder, "folder written by `multum infer`, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
   pack->add_option("--player", o.player.folder,
-                   "also write a player for browsers to this folder, for any static server");
+                   "also write a player for browsers to this folder, which any static web server can serve");
   pack->add_option("--page", o.player.page, "also write this page, *.html: player, field and geometry in one file");
   add_parameter_options(*pack, o.values);
   pack->add_option("--device", o.device,

@@ -44,7 +44,10 @@ void add_player_command(CLI::App& app, int* exit_code) {
       "player", "publish a packed field with its player for browsers (docs/reference/animation_jobs.md)");
   player->footer("Example:\n  multum player field.mpt -o field.html");
   player->add_option("field", options->field, "packed field, *.mpt")->required();
-  player->add_option("-o,--output", options->output, "folder for any static server, or one page, *.html")->required();
+  player
+      ->add_option("-o,--output", options->output,
+                   "output: a folder that any static web server can serve, or a single *.html page")
+      ->required();
   // The service passes its roots, because files that a field names may be opened only below them.
   player->add_option("--root", options->roots)->allow_extra_args(false)->group("");
   add_common_options(*player, options->common);

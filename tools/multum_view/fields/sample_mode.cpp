@@ -196,7 +196,8 @@ void draw_all(const SampleOptions& options, TextureSource& source) {
 }  // namespace
 
 void add_sample_options(CLI::App& app, SampleOptions& options) {
-  app.add_option("folder", options.folder, "folder of `multum infer`, its inferred.json, or a packed field, *.mpt")
+  app.add_option("folder", options.folder,
+                 "folder written by `multum infer`, its inferred.json, or a packed field, *.mpt")
       ->required();
   app.add_option(
          "--at", options.samples,

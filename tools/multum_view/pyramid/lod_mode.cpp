@@ -19,7 +19,7 @@ namespace multum {
 
 void add_lod_options(CLI::App& app, LodOptions& options) {
   PictureOptions& picture = options.picture;
-  app.add_option("file", options.file, "pyramid of heights or positions of `multum lod`")->required();
+  app.add_option("file", options.file, "height or position pyramid written by `multum lod`")->required();
   add_picture_option(app, picture.output)->required();
   add_detail_options(app, options.detail);
   app.add_option(

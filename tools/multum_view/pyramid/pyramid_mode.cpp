@@ -228,7 +228,7 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
                 fmt::format("{}: a pyramid of colours is drawn on the plane, found {}, expected no surface",
                             options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
   if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
-    throw Error(ErrorCode::kUsage, "--surface-level and --surface-spacing need --surface, found none");
+    throw Error(ErrorCode::kUsage, "--surface-level and --surface-spacing require --surface");
 }
 
 void write_pyramid_report(const PyramidOptions& options, const std::string& path, const nlohmann::json& facts) {
@@ -271,8 +271,8 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   add_mesh_option(app, options.surface);
   app.add_option(
       "--surface", options.surface_pyramid,
-      "draw reflected light on this pyramid of `multum lod` at --surface-level, which limits its curvature; the "
-      "reference uses the finest level");
+      "draw reflected light on this surface pyramid (from `multum lod`). The surface is read at --surface-level, which "
+      "limits its curvature; the reference always uses the finest level");
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
@@ -289,7 +289,7 @@ int draw_pyramid(const PyramidOptions& options) {
   check_picture_path(options.output.path);
   check_paths_differ({options.file}, {options.output.path, report});
   if (options.shifts > 0 && options.lookups.front() != "reference")
-    throw Error(ErrorCode::kUsage, "--shifts needs the reference, found none, expected reference in --lookup");
+    throw Error(ErrorCode::kUsage, "--shifts requires the reference: add reference to --lookup");
   const Pyramid pyramid = options.expected ? read_pyramid(options.file, *options.expected) : read_pyramid(options.file);
   check_surface(options, pyramid.header);
   std::optional<gl::PhongLights> lights;

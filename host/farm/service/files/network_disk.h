@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distinguishes network file systems, and file systems that programs provide, from local disks. An SQLite ledger must
-// not be on such file systems: their locks and their order of writes are not reliable enough for SQLite. Two daemons
-// could both believe that they own the ledger.
+// Tells network file systems and user-space (FUSE) file systems from local disks. An SQLite ledger must not be on such
+// file systems: their locks and their order of writes are not reliable enough for SQLite. Two daemons could both
+// believe that they own the ledger.
 #pragma once
 
 #include <cstdint>

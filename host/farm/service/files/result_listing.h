@@ -40,8 +40,8 @@ std::size_t listing_bytes(const OpenFile& folder);
 
 /// Listed files: "BYTES NANOSECONDS" by name below the folder.
 using PublishedFiles = std::map<std::string, std::string>;
-/// Returns the published files of an open folder; empty: never published. Messages show `path`. Throws
-/// Error(kEnvironment).
+/// Returns the published files of an open folder, or an empty list if nothing was ever published. Messages show `path`.
+/// Throws Error(kEnvironment).
 PublishedFiles published_files(const OpenFile& folder, const std::string& path, const ResultSeal& seal);
 /// Opens a published file for reading, beneath the folder and without following links. Throws Error(kUsage) when it no
 /// longer exists or has changed.

@@ -137,7 +137,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         budget(settings.memory_max),
         streams_max(std::max(1, settings.connections_max / 4 * 3)) {}
 
-  // Counts one listener during its own lifetime.
+  // Counts as one listener for as long as this object exists.
   class Listener {
    public:
     static std::optional<Listener> one_more(std::shared_ptr<State> state) {

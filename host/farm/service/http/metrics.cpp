@@ -51,7 +51,7 @@ class Text {
 void add_slurm(Text& text, const SlurmPool& slurm) {
   const SlurmPool::Counters& c = slurm.counters();
   text.one("multum_slurm_up", "gauge", "1 if Slurm answered the last request, else 0.", slurm.is_up() ? 1 : 0);
-  text.begin("multum_slurm_parts", "gauge", "Parts of jobs at Slurm, by Slurm's state.");
+  text.begin("multum_slurm_parts", "gauge", "Job parts submitted to Slurm, by Slurm state.");
   for (const auto& [state, count] : slurm.states()) text.add(fmt::format("state=\"{}\"", escaped(state)), count);
   text.one("multum_slurm_submitted_total", "counter", "Jobs that sbatch accepted.", c.submitted);
   text.one("multum_slurm_submit_failures_total", "counter",

@@ -84,7 +84,7 @@ class JobQueue {
   /// Returns the name of the folder that owns the ledger; "": no folder yet.
   const std::string& instance() const { return instance_; }
   /// Makes the next job's number larger than `number`, whether or not this ledger gave the numbers up to it. A new
-  /// ledger, and an old copy that replaces a later one, skip the numbers up to LedgerSettings::numbers by themselves.
+  /// ledger, or a restored older copy, automatically skips the job numbers up to LedgerSettings::numbers.
   void number_above(std::int64_t number);
   /// Throws Error(kEnvironment) if a job submitted now would be lost.
   void check_kept() const { database_.check_may_change(); }

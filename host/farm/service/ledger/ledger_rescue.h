@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rescues the readable part of a damaged ledger into a new one. Reads each table row by row from both ends, and by
-// number in between, so that a damaged page loses only its own rows. If the page with the list of tables is lost, the
-// page of a new ledger replaces it, because all ledgers have the same layout.
+// Rescues the readable part of a damaged ledger into a new one. Reads every table one row at a time: forwards,
+// backwards, and by row number in between. A damaged page then costs only the rows it holds. If the page with the list
+// of tables is lost, the page of a new ledger replaces it, because all ledgers have the same layout.
 #pragma once
 
 #include <cstdint>

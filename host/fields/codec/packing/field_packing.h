@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs the textures of a parameterized animation, a folder of `multum infer`, into one file (Hakura et al. 2000,
-// section 4). Every layer of every object over every block of the parameters is a chunk. All chunks are coded with the
-// same lambda, the error that a bit is worth. A search finds the lambda for the requested file size or error.
+// Packs the textures of a parameterized animation, a folder written by `multum infer`, into one file (Hakura et al.
+// 2000, section 4). Every layer of every object over every block of the parameters is a chunk. All chunks are coded
+// with the same lambda, the error that a bit is worth. A search finds the lambda for the requested file size or error.
 #pragma once
 
 #include <cstdint>

@@ -439,8 +439,8 @@ void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) 
                   s.length_mean));
 }
 
-// Warns if the direction of green is unknown, or if the settings contradict the statistics. A wrong green swaps bumps
-// and dents along y.
+// Warns if the direction of green is unknown, or if the settings contradict the statistics. A green channel with the
+// wrong sign turns bumps into dents along y.
 void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
                    std::vector<std::string>& warnings) {
   if (!settings.green && !found) {

@@ -16,7 +16,7 @@ namespace multum {
 
 class ImageSurvey {
  public:
-  /// `readings`: the interpretations of the numbers whose statistics are collected.
+  /// `readings`: the ways to interpret the values; statistics are collected for each.
   ImageSurvey(const RawImageInfo& info, const std::vector<VectorEncoding>& readings);
 
   /// Adds a band; bands come in order from the top.

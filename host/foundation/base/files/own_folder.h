@@ -28,10 +28,10 @@ struct NamedPlace {
 /// that is too long.
 NamedPlace open_place(const std::string& path);
 
-// An own folder, for work: created with mode 0700, and marked. An existing folder must be marked or empty, belong to
-// this user, be writable only by this user, be on the same device as the folder above, and not be a link. Mounts that
-// give all files one owner or one mode (FAT, other systems' shares, NFS that squashes root) are detected with a file
-// created for this purpose.
+// A private working folder, created with mode 0700 and marked as multum's own. An existing folder must be marked or
+// empty, belong to this user, be writable only by this user, be on the same device as the folder above, and not be a
+// link. Mounts that give all files one owner or one mode (FAT, other systems' shares, NFS that squashes root) are
+// detected with a file created for this purpose.
 //
 //   FOLDER/.multum-folder    the mark; without marks, a user who may rename folders could have another one emptied
 

@@ -27,7 +27,9 @@ std::uint64_t size_of_file(const OpenFile& file, const std::string& path) {
   struct stat found {};
   if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0) fail_by_errno(path, "cannot be opened");
   if (!S_ISREG(found.st_mode))
-    throw Error(ErrorCode::kEnvironment, path + ": is not a file, expected a journal of stopped work; remove it");
+    throw Error(ErrorCode::kEnvironment, path +
+                                             ": is not a file, but multum keeps the journal of an interrupted run "
+                                             "under this name; remove or rename it");
   return static_cast<std::uint64_t>(found.st_size);
 }
 

@@ -127,7 +127,7 @@ TEST(AccuracyReferenceTest, IsTheAverageOverAllNormals) {
   }
 }
 
-// Tries several BRDF families in any order: the average times highlight_scale() is the density itself.
+// Tests that, for several BRDF families in any order, the average multiplied by highlight_scale() equals the density.
 TEST(AccuracyReferenceTest, TakesEveryHighlight) {
   const PlaneSize map{37, 61};
   const Planes planes(map);

@@ -44,7 +44,7 @@ std::map<int, int> steps_of_texels(const LevelSchedule& level) {
   return step_of;
 }
 
-// Returns whether a texel's start reads the neighbour, as fitted_before() of movmf_start.cl decides.
+// Returns whether the initial guess of a texel reads the neighbour; mirrors fitted_before() in done_neighbours.clh.
 bool reads(int other_x, int other_y, int x, int y, FitOrder order) {
   if (order == FitOrder::kScanline) return other_y < y || (other_y == y && other_x < x);
   const auto rank = [](int i, int j) {

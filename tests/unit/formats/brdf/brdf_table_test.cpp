@@ -65,7 +65,7 @@ TEST(BrdfTable, EveryRowRefusesWhatIsNotOfIt) {
   }
 }
 
-// The texts and ranges before the table existed, letter by letter.
+// The texts and ranges exactly as they were before the table existed.
 TEST(BrdfTable, FormsAreThoseThatWerePublished) {
   EXPECT_EQ(brdf_text(parsed("cook-torrance:0.07,0.95,0.93,0.88"), ""), "cook-torrance:0.07,0.95,0.93,0.88");
   EXPECT_EQ(brdf_text(parsed("ggx:0.4,0.5"), ""), "ggx:0.4,0.5,0.5,0.5");

@@ -111,8 +111,8 @@ TEST_F(MeshDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
   for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>>{
 #ifndef MULTUM_SHADOW_MEMORY
            {"segfault",
-            "decoding failed (its process was ended by signal 11 (Segmentation fault)); expected an undamaged "
-            "file that assimp reads"},
+            "decoding failed (the decoder was ended by signal 11 (Segmentation fault)); expected an undamaged "
+            "file that assimp can decode within"},
 #endif
            {"hang", "took more than 700 ms and was ended"},
            {"nonsense", "returned 8 invalid bytes"}}) {
