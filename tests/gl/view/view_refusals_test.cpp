@@ -188,7 +188,9 @@ TEST_F(ViewRefusalTest, WarnsOfASourceThatIsNotRead) {
   const ChildResult result = view({"-o", path("out.png"), "--source", path("none.png"), "--albedo", path("no.png"),
                                    "--size", "8x8", "--context", "osmesa"});
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  EXPECT_NE(result.output.find("none.png: is not read: without --compare"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("none.png: is not read, because no picture needs it without --compare"),
+            std::string::npos)
+      << result.output;
 }
 
 TEST_F(ViewRefusalTest, LinksNeitherGlNorOpenCl) {

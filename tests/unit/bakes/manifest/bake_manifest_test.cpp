@@ -170,7 +170,7 @@ TEST_F(BakeManifestTest, WrongTypesAndRanges) {
   refused("checknan = 1", {"checknan", "1", "true or false"});
   refused("two_channel = 1", {"two_channel", "1", "true or false"});
   refused("order = \"color\"", {"order", "\"color\"", "colour, scanline"});
-  refused("order = 1", {"order", "1", "text"});
+  refused("order = 1", {"order", "1", "string"});
   refused("coarse_normals = \"some\"", {"coarse_normals", "\"some\"", "binned, all"});
   refused("data_format = \"double\"", {"data_format", "\"double\"", "snorm16, half, float"});
   refused("compression = \"zip:0\"", {"compression", "\"zip:0\"", "none|rle|piz|zip[:1-9]"});
@@ -183,13 +183,13 @@ TEST_F(BakeManifestTest, WrongTypesAndRanges) {
   refused("height_scale = inf", {"height_scale", "inf"});
   refused("height_scale = 1e39", {"height_scale", "1e+39"});
   refused("repair_max = 1.5", {"repair_max", "1.5", "0 to 1"});
-  expect_refused("albedo = \"\"", "albedo = 3", {"map.albedo", "3", "text"});
+  expect_refused("albedo = \"\"", "albedo = 3", {"map.albedo", "3", "string"});
   expect_refused("unsigned = true", "unsigned = true\nsigned = true", {"map.unsigned", "signed", "expected only one"});
   for (const char* value : {"0", "-0.1", "inf", "nan", "\"small\""})
     expect_refused("error_max = 0.25", std::string("error_max = ") + value, {"map.error_max", "above 0"});
   expect_refused("lobes = 3", "lobes = 12", {"defaults.lobes", "12"});
-  expect_refused("input = \"a.png\"", "input = \"\"", {"map.input", "\"\"", "text"});
-  expect_refused("input = \"a.png\"", "input = [\"a.png\"]", {"map.input", "an array of 1", "text"});
+  expect_refused("input = \"a.png\"", "input = \"\"", {"map.input", "\"\"", "string"});
+  expect_refused("input = \"a.png\"", "input = [\"a.png\"]", {"map.input", "an array of 1", "string"});
 }
 
 TEST_F(BakeManifestTest, FilesMustBeApart) {

@@ -173,9 +173,9 @@ TEST_F(AnimationJobTest, KeysAndTypes) {
   expect_refused("width = 4", "width = \"4\"", {"width", "\"4\"", "1 to 16384"});
   expect_refused("view = true", "view = 1", {"parameter.view", "1", "true or false"});
   expect_refused("cryptomatte = \"CryptoObject\"", "cryptomatte = 1979-05-27",
-                 {"cryptomatte", "a date or time", "text"});
+                 {"cryptomatte", "a date or time", "string"});
   expect_refused("passes = [\"diffuse\"]", "passes = \"diffuse\"", {"layer.passes", "\"diffuse\"", "list of strings"});
-  expect_refused("passes = [\"diffuse\"]", "passes = [1]", {"layer.passes[0]", "1", "text"});
+  expect_refused("passes = [\"diffuse\"]", "passes = [1]", {"layer.passes[0]", "1", "string"});
   expect_refused("at = [0, 0]", "at = 0", {"sample.at", "0", "list of integers"});
   expect_refused("at = [0, 0]", "at = [0, -1]", {"sample.at[1]", "-1", "at least 0"});
 
@@ -239,7 +239,7 @@ TEST_F(AnimationJobTest, NamesThatNothingAnswersTo) {
                  {"geometry", "\"none.gltf\"", "does not exist", "none.gltf"});
   expect_refused("radiance = \"rad_v00_p00.exr\"", "radiance = \"none.exr\"", {"sample.radiance", "\"none.exr\""});
   expect_refused("geometry = \"geom_v00.exr\"", "geometry = \".\"", {"sample.geometry", "\".\"", "does not exist"});
-  expect_refused("name = \"view\"", "name = \"\"", {"parameter.name", "\"\"", "text"});
+  expect_refused("name = \"view\"", "name = \"\"", {"parameter.name", "\"\"", "string"});
   for (const char* name : {"a/b", "a\\\\b", ".a", "a\\u0007b"})
     expect_refused("name = \"thing\"", std::string("name = \"") + name + '"', {"object.name is", "without /"});
 }
