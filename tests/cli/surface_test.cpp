@@ -87,6 +87,8 @@ TEST_F(SurfaceCommandTest, PicturesAreNearerWhatIsInterpolated) {
                                                       "0,30,60,0,30,0,40",
                                                       "--size",
                                                       "96x96",
+                                                      "--evaluations",
+                                                      "0",
                                                       "--repeat",
                                                       repeat,
                                                       "--brdf",
