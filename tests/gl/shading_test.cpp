@@ -188,8 +188,9 @@ TEST_F(ShadingTest, HardCases) {
   }
 }
 
-// Normals turn evenly from texel to texel, and pixels are placed all over them. On average the lobe's spread equals
-// that of the normals that a pixel sees, for pixels from far smaller than a texel up to sqrt(2) texels.
+// Normals turn evenly from texel to texel, and pixels are placed all over them. On average, the lobe has the
+// same spread as the normals that a pixel sees. This holds for pixel sizes up to sqrt(2) texels, even far below one
+// texel.
 TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   const int places = 64;
   const double turn = 0.2;

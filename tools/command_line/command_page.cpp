@@ -414,8 +414,8 @@ class Page {
       }
     }
     return "\nTypes of jobs:\n\n" + types +
-           "\nEvery key *j* of a type is an option too: `--first-level` for `first_level`. All types have these "
-           "options:\n\n" +
+           "\nEvery key of a job type that is marked *j* is also an option: `--first-level` for `first_level`. All "
+           "types have these options:\n\n" +
            Columns{}.head() + rows;
   }
 

@@ -17,7 +17,7 @@ LANGUAGES = {"sh", "bash", "text", "c", "cpp", "css", "csharp", "cmake", "diff",
 TABLES = {"docs/contributing/ARCHITECTURE.md": {"districts", "layers", "headers", "programs", "folders"}}
 # These pages name commands of earlier versions.
 PAST_COMMANDS = {"docs/contributing/CHANGELOG.md"}
-# Each limit holds for the sum of its folders.
+# Each limit applies to the total of all its folders.
 WORDS_MAX = {("tutorials", "how-to", "explanation"): 20_000, ("reference",): 30_000}
 
 

@@ -23,7 +23,7 @@ namespace {
 using Lobe = MixtureLobe;
 using Fit = MixtureFit;
 
-// Returns a random position in cell `cell` of `cells` that divide `size` texels.
+// Divides `size` texels into `cells` cells, and returns a random position in cell number `cell`.
 int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
   const std::int64_t first = std::int64_t{cell} * size / cells, end = std::int64_t{cell + 1} * size / cells;
   return static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(end - first)));

@@ -30,7 +30,7 @@ struct FeaturePlanes {
   bool all_of_size(int width, int height) const;
 };
 
-/// Inputs and limits of a bake. The normals state whether roughness is included (PlaneStore::is_shortened()).
+/// Inputs and limits of a bake. PlaneStore::is_shortened() of the normals tells whether roughness is included.
 struct MapInputs {
   const PlaneStore* normals = nullptr;
   FeaturePlanes features = {};                          // features of the map's size

@@ -15,7 +15,7 @@ namespace multum {
 
 struct NumericalCase {
   NumericalCaseText text;
-  /// Adds an error for each input to the worst. Throws Error(kEnvironment) for errors of the device.
+  /// Computes an error per input, and updates the worst error. Throws Error(kEnvironment) for errors of the device.
   std::function<void(Device& device, WorstError& worst)> run;
   /// Edits of the kernels' text, each of which removes one guard; each is tested separately. Empty if the guard is not
   /// one line of a kernel: then `naive` or `mutation` is set.

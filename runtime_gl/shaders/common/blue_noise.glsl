@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers for renderers that draw one lobe, and one of its normals, per pixel. The numbers are blue noise over
-// the picture, so neighbouring pixels have different errors. Over the frames of a pixel they are evenly spread.
+// Random numbers for renderers that pick one lobe, and one of its normals, at random per pixel. The numbers are blue
+// noise over the picture, so neighbouring pixels have different errors. Over a pixel's frames, they are evenly spread.
 
 const float MULTUM_BLUE_NOISE_FRAMES = 1024.0;  // number of frames before the numbers repeat
 

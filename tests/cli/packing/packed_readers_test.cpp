@@ -131,7 +131,8 @@ std::vector<float> floats_of(const std::string& bytes) {
   return values;
 }
 
-// Both decoders use single precision in the same order: 1e-3 of 255 allows hundreds of roundings.
+// Both decoders compute in single precision and in the same order. A tolerance of 0.001, where the full range is 255,
+// allows hundreds of roundings.
 TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
   write_all_kinds();

@@ -56,7 +56,7 @@ glm::dvec3 half_vector(const glm::dvec3& l, const glm::dvec3& v);
 /// Returns the angle between vectors whose length is only nearly 1, as a shader sees them.
 double angle_between(const glm::dvec3& a, const glm::dvec3& b);
 
-/// Returns the mean of max(n . l, 0) over the vMF of kappa * direction = `sum`: facets' kappa h + a lobe's kappa mu.
+/// Returns the mean of max(n . l, 0) over the vMF with kappa * axis = `sum`; `sum` = facets' kappa h + lobe's kappa mu.
 double highlight_cosine(const glm::dvec3& sum, const glm::dvec3& l);
 
 /// Replaces `text` in any formula.

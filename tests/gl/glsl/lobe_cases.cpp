@@ -17,7 +17,8 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Describes a lobe along +z, for which (a r, a) is exact in float, a direction in the plane y = 0, and a parameter.
+// Describes three things: a lobe along +z (so that (a r, a) is exact in float), a direction in the plane y = 0, and a
+// parameter.
 struct Point {
   double amplitude, spread, theta, parameter;
 };

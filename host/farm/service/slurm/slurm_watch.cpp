@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Handles the results of Slurm: compares each look with the work that was sent. Parts that have ended end their jobs,
-// or cause further parts to be sent.
+// Handles the results of Slurm: compares each look with the work that was sent. When a part has finished, its job may
+// end, or further parts may be sent.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

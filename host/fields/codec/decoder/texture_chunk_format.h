@@ -36,7 +36,7 @@ struct ImagePlan {
 
 struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
-  /// Most texels of all images together. The limit bounds a decoder's time and memory.
+  /// Maximum number of texels in all images together. The limit bounds a decoder's time and memory.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
   /// Most terms in the sums of all samples together.
   static constexpr std::size_t kTermsMax = std::size_t{1} << 22;

@@ -229,7 +229,8 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   }
   const double agreement = std::abs(s.gradient_agreement);
   if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
-  // Normals times a constant. Colours of low contrast also have one length, but no gradients.
+  // These vectors are normals times a constant. In a picture of low contrast, the colour vectors also have nearly equal
+  // lengths, but they are not gradients.
   if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
   if (s.length_mean < 0.4)
     return fmt::format(

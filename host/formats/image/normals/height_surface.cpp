@@ -138,7 +138,7 @@ HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   return rows;
 }
 
-// Fills non-finite heights from unrepaired rows, including one more row on either side.
+// Fills non-finite heights. Reads the rows before repair, plus one extra row on either side.
 HeightRows HeightSurface::repaired_rows(int row_begin, int row_end) const {
   if (is_finite_) return merged_rows(row_begin, row_end);
   const int found_end = std::min(height(), row_end + 1);

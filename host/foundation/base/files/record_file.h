@@ -47,9 +47,9 @@ class RecordFile {
   RecordFile(OpenFile file, std::string shown_path) : file_(std::move(file)), shown_path_(std::move(shown_path)) {}
 
   /// Calls `visit` with the places of the records, in order, until the file ends within a record or `visit` returns
-  /// false. `visit` returns false for a record that read() finds damaged. Returns the end of the last record that
-  /// counts, or 0 if the file has another key (null accepts any key) or torn first lines. Throws Error(kEnvironment)
-  /// for an earlier format or another kind of file.
+  /// false. `visit` returns false for a record that read() finds damaged. Returns the end of the last valid
+  /// record. Returns 0 if the first lines are incomplete or the file has another key; null accepts any key. Throws
+  /// Error(kEnvironment) for an earlier format or another kind of file.
   std::uint64_t visit_records(const std::string* key, const std::function<bool(const Place&)>& visit) const;
   /// Reads a record's bytes. Returns false if they are missing or do not match their checksum.
   bool read(const Place& place, std::vector<std::uint8_t>& bytes) const;

@@ -153,7 +153,7 @@ void expect_nothing_left(const std::string& data) {
       EXPECT_FALSE(fs::exists(data + "/jobs.sqlite" + made + part)) << made << part;
 }
 
-// Damages a file in one of many ways: bytes, bits, pages, or a cut end.
+// Damages a file in one of many ways: changes bytes, bits or pages, or cuts off the end.
 std::string damaged(std::string bytes, std::mt19937& random) {
   const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random() % end); };
   const std::size_t pages = bytes.size() / kPageBytes, page = below(pages) * kPageBytes,

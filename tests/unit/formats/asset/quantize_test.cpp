@@ -19,7 +19,8 @@ using testing::random_shares;
 using testing::stored_lobe;
 using testing::uniform;
 
-// Rounds texels of several lobes each, as one level other than the finest. texels[i][j] = lobe j of texel i.
+// Rounds texels that have several lobes each. Treats them as one level that is not the finest. texels[i][j] is lobe j
+// of texel i.
 void quantize(std::vector<std::vector<glm::vec4>>& texels, StorageEncoding encoding) {
   MovmfLevel level;
   level.width = static_cast<int>(texels.size());

@@ -116,7 +116,7 @@ class Coverage {
         "this page are for the default filter of that commit: {}. The errors of each bake are measured with {} "
         "independent random sets of footprints. Each set contains as many footprints as a bake uses. The error over "
         "all sets together is taken as "
-        "the true error. **{:.1f} % of {} intervals held**: they contain the error over all sets together.\n\n*Mean "
+        "the true error. **{:.1f} % of {} intervals** contain the error over all sets together.\n\n*Mean "
         "square* is the mean square of the errors, in units of the standard error. A mean square of 1 means that the "
         "intervals have exactly the right width; a lower mean square means that the intervals are too wide. The "
         "tables cover {} maps. A mosaic replaced each map larger than {} x {} texels.\n\n## By settings\n\n{}\n## By "

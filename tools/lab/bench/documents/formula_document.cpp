@@ -254,7 +254,7 @@ void add_facets(MarkdownTable& table, const std::vector<Direction>& directions, 
   }
 }
 
-// Makes a table of the errors of harmonics, which are exact up to their order.
+// Makes a table of the errors of spherical harmonics. They are exact for functions up to their order.
 std::string harmonics_table(const std::vector<Direction>& directions) {
   constexpr std::array kOrders = {2, 4, 8, 12, 20};
   std::vector<std::string> head = {"harmonics up to order"};
