@@ -93,7 +93,7 @@ class SceneCommandTest : public CliTest {
         "sky.exr", 32, [](int, int y, int c) { return y < 8 ? 1.0f + static_cast<float>(c) : 0.1f; }, true);
   }
   static std::vector<std::string> viewer(const std::string& plan) {
-    return {std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", plan, "--context", "osmesa"};
+    return {std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", plan, "--context", "osmesa", "--evaluations", "0"};
   }
   // `repeat` 0: the plan's repeats, from the nearest distance.
   std::vector<float> draw(const std::string& plan, double repeat = 0.0) const {
@@ -460,7 +460,7 @@ TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
   EXPECT_GT(blue, 500);
   write("materials = [\"red\", \"blue\", \"red\"]");
   const ProgramResult refused = multum({"plan", path("two.toml")});
-  expect_refusal(refused, kInput, {"weights.tif: ", "2 weights", "expected 3", "\"front\"", "materials"});
+  expect_refusal(refused, kInput, {"weights.tif: ", "2 weights", "expected 3", "\"front\"", "for each material"});
 }
 
 // Four directions and four BRDFs: the weights say which facets shine. One lobe is not enough, and the plan says so.
@@ -494,7 +494,7 @@ TEST_F(SceneCommandTest, WeightsAndRoughnessAreEstimated) {
 TEST_F(SceneCommandTest, WhatIsWrongIsRefused) {
   const std::string scene = write_scene({.name = "s"});
   ProgramResult result = multum({"bake", scene, "-o", path("out"), "--lobes", "2"});
-  expect_refusal(result, kUsage, {"--lobes", "beside"});
+  expect_refusal(result, kUsage, {"--lobes", "cannot be given with"});
   result = multum({"bake", scene});
   EXPECT_EQ(result.exit_code, 2);
   write_bytes(path("bad.toml"), "[scene]\n");

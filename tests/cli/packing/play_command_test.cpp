@@ -150,7 +150,7 @@ TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
     EXPECT_NE(result.exit_code, 0);
     expect_says(result.err, parts);
   };
-  refused("view=1", "30", {"p.json", "no JSON"});
+  refused("view=1", "30", {"p.json", "not JSON"});
   refused(R"({"multumPath":1,"parameters":["sun"],"positions":[[0,0],[1,0]]})", "30", {"p.json", "sun", "light"});
   refused(read_bytes(MULTUM_RECORDED_PATH), "4000", {"10000 frames", "--frames", "--rate"});
 }
