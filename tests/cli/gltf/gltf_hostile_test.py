@@ -69,7 +69,7 @@ class HostileTest(unittest.TestCase):
     def test_json(self):
         deep = b'{"asset":{"version":"2.0"},"extras":' + b"[" * 100_000 + b"]" * 100_000 + b"}"
         many = b'{"asset":{"version":"2.0"},"extras":[' + b"0," * 8_000_001 + b"0]}"
-        self.assert_refused(glb_of(deep, b""), "deeper than 64")
+        self.assert_refused(glb_of(deep, b""), "deeper than the limit of 64")
         self.assert_refused(glb_of(many, b""), "more than 8000000 values")
         self.assert_refused(glb_of(b" " * (2**26 + 4), b""), "67108864")
         self.assert_refused(glb_of(b'{"asset":{"version":"2.0"}', b""), "cannot be parsed")
