@@ -47,7 +47,8 @@ try {
       return { place: [...eye, ...target, 40].join(","), light: globalThis.multumLook.scene().light.join(",") };
     });
     run("multum-view", file, "--source", "map_normal.png", "--size", `${width}x${height}`, "--brdf", "ggx:0.3",
-      "--diffuse", "0.1", "--specular", "1", "--evaluations", "0", "--light", camera.light, "--camera", camera.place, "-o", "view.png");
+      "--diffuse", "0.1", "--specular", "1", "--evaluations", "0", "--light", camera.light,
+      "--camera", camera.place, "-o", "view.png");
     return page.evaluate(async (base64) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
       const rgba = (source) => {
