@@ -129,7 +129,7 @@ class MergedSharesTest(unittest.TestCase):
         self.assertEqual(hashes(self.out), self.whole)
 
     def check_refusals(self):
-        for more, part in ((("--shard", "0/3"), "expected I/N"), (("--shard", "1/5000"), "4096 shares at most"),
+        for more, part in ((("--shard", "0/3"), "expected I/N"), (("--shard", "1/5000"), "at most 4096 shares"),
                            (("--shard", "1/3", "--merge", "3"), "exclude each other"), (("--merge", "0"), "--merge")):
             done = self.run_command(*more)
             self.assertEqual(done.returncode, 2, more)
