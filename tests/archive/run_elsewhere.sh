@@ -47,7 +47,7 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 [ -S socket ] || { cat serve.txt; exit 1; }
-"$bin/multum" list --server "unix:$here/socket"
+"$bin/multum" jobs list --server "unix:$here/socket"
 "$bin/test/pyramid_test" --gtest_brief=1 | tail -n 1
 TEXT
 
