@@ -176,7 +176,7 @@ TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
     EXPECT_EQ(warned, share > 1.0 / 3.0) << share << "\n" << result.err;
     if (warned) {
       EXPECT_TRUE(contains(result.err, fmt::format("noise.exr: {} lobes", count))) << result.err;
-      const char* advice = storage == "half" ? "--data-format snorm16 stores" : "--data-format float stores";
+      const char* advice = storage == "half" ? "--data-format snorm16 stores" : "--data-format float keeps";
       EXPECT_TRUE(contains(result.err, advice)) << result.err;
     }
     return warned;
