@@ -238,7 +238,7 @@ const steps = {
 
   async hostileFilesAreRefusedWithWords() {
     const cases = {
-      empty: [Buffer.alloc(0), /has 0 bytes|answered|cut|ends before byte 0/],
+      empty: [Buffer.alloc(0), /has 0 bytes|another range|ends before byte 0/],
       text: [Buffer.from("this is no packed field at all"), /does not begin with MPTF/],
       version: [Buffer.from(bytes.map((b, i) => (i === 4 ? 3 : b))), /version 3, expected 2/],
       short: [bytes.subarray(0, bytes.length - 20), /has \d+ bytes, but its index says \d+/],
