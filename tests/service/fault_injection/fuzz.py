@@ -22,7 +22,8 @@ from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state, with_drill  # noqa: E402
 
 # Reasons that the OpenAPI file cannot express: which queues, jobs and files exist.
-REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected the absolute",
+REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder",
+           "expected the absolute",
            "not a name for a result", "there is no such file", "its folder does not exist", "expected a name ending in",
            "unknown state", "not a file")
 STRANGE_TEXTS = ("", " ", "default", "../../etc/passwd", "%2e%2e", "a" * 1000, "a" * 1001, "\u00e9" * 1000,
