@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum bake. Options that maketx also has keep their names from maketx.
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <memory>
 
 #include "host/bakes/bake/bake_batch.h"
 #include "host/bakes/bake/bake_file.h"
+#include "host/bakes/bake/job_parameters.h"
 #include "host/bakes/settings_search/chosen_bake.h"
+#include "host/bakes/settings_search/target_parameters.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/processes/machine.h"
@@ -34,55 +34,15 @@ struct BakeOptions {
   int merged_shards = 0;
 };
 
-std::optional<MapRegion> parse_region(const std::string& text) {
-  if (text.empty() || text == "auto") return std::nullopt;
-  MapRegion region;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4)
-    throw Error(ErrorCode::kUsage,
-                "--region is '" + text + "', expected auto, or x,y,width,height in texels, such as 0,256,128,64");
-  return region;
-}
-
-bool has_target(const BakeOptions& o) { return o.values.has("target_error") || o.values.has("budget_ms"); }
-
-BakeTarget target_of(const BakeOptions& o) {
-  BakeTarget target;
-  target.error = o.values.number("target_error");
-  if (const auto budget = o.values.number("budget_ms")) target.seconds = *budget / 1e3;
-  target.brdf = parse_target_brdf(o.values.text("brdf").value_or(TargetBrdf().text));
-  target.only = given_representation(o.values);
-  target.best_effort = o.values.flag("best_effort");
-  if (target.error) target.viewer.program = find_viewer();
-  return target;
-}
-
-// Throws Error(kUsage) for target options without a target, and for settings that a target chooses.
-void check_target_options(const BakeOptions& o) {
-  if (!has_target(o)) {
-    if (o.values.has("brdf") || o.values.flag("best_effort"))
-      throw Error(ErrorCode::kUsage, "--brdf and --best-effort need --target-error or --budget-ms, found neither");
-    return;
-  }
-  if (const Parameter* chosen = given_of_target(o.values))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} and {} exclude each other: a target chooses that setting", chosen->option(),
-                            o.values.has("target_error") ? "--target-error" : "--budget-ms"));
-}
-
 BakePrinting printing(const BakeOptions& o) {
   return {!prints_text(o.common), o.values.flag("runstats") || o.common.verbose, stdout, o.common.json};
 }
 
 BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device) {
   const auto progress = make_progress(o.common);
-  const ChosenBake chosen = bake_to_target(job, target_of(o), device, progress.get());
+  const ChosenBake chosen = bake_to_target(job, bake_target(o.values, find_viewer()), device, progress.get());
   if (chosen.written) print_report(job, printing(o), chosen.report);
-  if (!chosen.met)
-    throw Error(ErrorCode::kVerification,
-                chosen.written ? job.input + ": no settings reach the target; the best ones were written"
-                               : fmt::format("{}: no settings reach the target: {}--best-effort writes the best ones",
-                                             job.input, chosen.report.choice));
+  check_met(job, chosen);
   return chosen.report;
 }
 
@@ -95,7 +55,7 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
     openjd_part(begun++, jobs.size());
     try {
       BakeReport report;
-      if (has_target(o)) {
+      if (has_target(o.values)) {
         report = bake_chosen(job, o, device);
       } else {
         const auto progress = make_progress(o.common);
@@ -125,7 +85,7 @@ void check_merge(const BakeOptions& o, bool is_several) {
   if (is_several)
     throw Error(ErrorCode::kUsage,
                 "found --merge for several maps, expected one map: shares of several maps need no merge");
-  if (has_target(o))
+  if (has_target(o.values))
     throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: the shares already have their settings");
 }
 
@@ -139,7 +99,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   job.threads = job.writing.threads = apply(o.common);
   keep_freed_memory();
   check_scopes(o.values);
-  check_target_options(o);
+  check_target_values(o.values);
   apply(o.values, job);
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
   if (!o.shard.empty() && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
@@ -154,11 +114,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     division.merged_shards = o.merged_shards;
     return run_scene(o.inputs[0], job, device_choice, o.common, printing(o), division);
   }
-  if (o.values.has("region") == job.onto.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        "found only one of --region and --onto, expected both: the edited part, and the file that was baked before");
-  job.region = parse_region(o.values.text("region").value_or(""));
+  apply_region(o.values, job);
   std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   const bool is_several = jobs.size() > 1;
   if (is_several && !o.shard.empty()) jobs = pieces_of(parse_work_shard("--shard", o.shard), std::move(jobs));
@@ -172,7 +128,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(jobs, o, device);
   BakeReport report;
-  if (has_target(o)) {
+  if (has_target(o.values)) {
     report = bake_chosen(jobs[0], o, device);
   } else {
     const auto progress = make_progress(o.common);

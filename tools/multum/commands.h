@@ -35,8 +35,8 @@ int run_command(int argc, char** argv);
 /// Runs a command line without the program's name; `callback` gets the progress. Only one call may run at a time.
 int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback);
 
-/// Returns the folders for compiled kernels that environment variables name.
-KernelCacheFolders kernel_cache_folders();
+/// Returns the value of an environment variable, or null.
+const char* environment_variable(const char* name);
 
 /// Returns the path of multum-view: next to multum (in a build folder and when installed), else in PATH.
 std::string find_viewer();

@@ -58,7 +58,7 @@ std::string findings_text(const DoctorFindings& findings) {
 
 int run_doctor(const DoctorOptions& options) {
   apply(options.common);
-  const DoctorSettings settings{options.device, find_viewer(), kernel_cache_folders()};
+  const DoctorSettings settings{options.device, find_viewer(), kernel_cache_folders(environment_variable)};
   DoctorFindings findings = machine_findings();
   append(findings, device_findings(settings));
   append(findings, cache_findings(settings.caches));

@@ -12,6 +12,7 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/log.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/machine.h"
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
@@ -22,13 +23,6 @@
 
 namespace multum {
 namespace {
-
-// Returns $XDG_CACHE_HOME, or ~/.cache; empty if neither $XDG_CACHE_HOME nor $HOME is set.
-std::string user_cache_folder() {
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') return xdg;
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::string(home) + "/.cache";
-  return "";
-}
 
 // Returns the progress callback of the command that a worker runs. Only one command runs at a time.
 Progress::Callback& listener() {
@@ -111,7 +105,7 @@ int run_command(int argc, char** argv) {
   int exit_code = 0;
   add_commands(app, &exit_code);
   prepare_commands(app);
-  set_kernel_caches(kernel_cache_folders());
+  set_kernel_caches(kernel_cache_folders(environment_variable));
   const NewFolders new_folders;
   try {
     app.parse(argc, argv);
@@ -141,21 +135,11 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
   return run_command(count, argv.data());
 }
 
-// Uses $MULTUM_CACHE_DIR, or the folder "multum" in the user's cache. An empty $MULTUM_CACHE_DIR turns the cache off.
-// PoCL finds its cache in the same way.
-KernelCacheFolders kernel_cache_folders() {
-  const char* programs = std::getenv("MULTUM_CACHE_DIR");
-  const char* pocl = std::getenv("POCL_CACHE_DIR");
-  const std::string cache = user_cache_folder();
-  return {programs != nullptr ? programs
-          : cache.empty()     ? ""
-                              : cache + "/multum",
-          pocl != nullptr ? pocl : (cache.empty() ? "/tmp" : cache) + "/pocl/kcache"};
-}
+const char* environment_variable(const char* name) { return std::getenv(name); }
 
 std::string find_viewer() {
   std::error_code error;
-  const std::string beside = own_folder() + "/multum-view";
+  const std::string beside = program_folder() + "/multum-view";
   return std::filesystem::exists(beside, error) ? beside : "multum-view";
 }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+
 #include "host/formats/image/normals/reading_parameters.h"
 #include "host/foundation/base/error.h"
 
@@ -57,6 +59,21 @@ void apply(const ParameterValues& values, BakeJob& job) {
   job.onto = values.text("onto").value_or(job.onto);
   if (values.flag("resume")) job.resume = true;
   if (values.flag("force")) job.force = true;
+}
+
+void apply_region(const ParameterValues& values, BakeJob& job) {
+  if (values.has("region") != values.has("onto"))
+    throw Error(
+        ErrorCode::kUsage,
+        "found only one of --region and --onto, expected both: the edited part, and the file that was baked before");
+  const std::string text = values.text("region").value_or("auto");
+  if (text.empty() || text == "auto") return;
+  MapRegion region;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4)
+    throw Error(ErrorCode::kUsage,
+                "--region is '" + text + "', expected auto, or x,y,width,height in texels, such as 0,256,128,64");
+  job.region = region;
 }
 
 std::optional<Representation> given_representation(const ParameterValues& values) {

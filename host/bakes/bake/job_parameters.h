@@ -20,6 +20,10 @@ ParameterValues bake_values(std::initializer_list<std::pair<const char*, Paramet
 /// default.
 void apply(const ParameterValues& values, BakeJob& job);
 
+/// Sets the job's region and file from `region` and `onto`. Throws Error(kUsage) if only one of them is given, or for a
+/// region of another form than "auto" or "x,y,width,height".
+void apply_region(const ParameterValues& values, BakeJob& job);
+
 /// The representation of `ndf`; nullopt if it is not given.
 std::optional<Representation> given_representation(const ParameterValues& values);
 

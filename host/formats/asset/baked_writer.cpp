@@ -29,6 +29,7 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/messages/log_listener.h"
 
 namespace multum {
 namespace {
@@ -113,7 +114,7 @@ class BakedWriter::Work {
       out_ = std::make_unique<Imf::MultiPartOutputFile>(*stream_, headers.data(), static_cast<int>(headers.size()),
                                                         false, options.threads);
     });
-    thread_ = std::jthread([this] { run(); });
+    thread_ = std::jthread(with_own_log([this] { run(); }));
   }
 
   ~Work() { stop(true); }

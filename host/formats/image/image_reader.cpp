@@ -11,6 +11,7 @@
 #include "host/formats/image/files/image_file.h"
 #include "host/formats/image/files/number_type.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/messages/log_listener.h"
 #include "host/foundation/sandbox/damaged_file.h"
 
 namespace multum {
@@ -219,7 +220,7 @@ void ImageReader::State::read(const std::function<void(const RawBand&)>& consume
     read_band(row_begin, row_end, offset, progress);
     if (consumed.valid()) consumed.get();
     const RawBand next{row_begin, row_end - row_begin, memory + offset};
-    consumed = std::async(launch, [&consume, next] { consume(next); });
+    consumed = std::async(launch, with_own_log([&consume, next] { consume(next); }));
     progress_advance(progress, 0);
   }
   consumed.get();

@@ -14,6 +14,7 @@
 
 #include "host/formats/opencl/program_cache.h"
 #include "host/foundation/base/log.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/system_failure.h"
 
 namespace multum {
@@ -65,16 +66,16 @@ class KernelCaches {
     const std::lock_guard lock(mutex_);
     if (std::exchange(is_prepared_, true)) return;
     pocl_failure_.clear();
-    if (!replace(folders_.programs, "MULTUM_CACHE_DIR", "programs").empty())
-      set_program_cache_folder(folders_.programs);
-    const std::string why_no_pocl = replace(folders_.pocl, "POCL_CACHE_DIR", "pocl");
-    if (private_ == nullptr) pocl_failure_ = why_no_pocl;
+    replace(folders_.programs, "MULTUM_CACHE_DIR", "programs");
+    set_program_cache_folder(folders_.programs);
+    pocl_failure_ = replace(folders_.pocl, "POCL_CACHE_DIR", "pocl");
   }
 
   const std::string& pocl_failure() const { return pocl_failure_; }
 
  private:
-  // Replaces a folder that cannot be written by a private one. Returns the warning.
+  // Replaces a folder that cannot be written by a private one. Returns the reason if that fails, otherwise an empty
+  // string.
   std::string replace(std::string& folder, const char* variable, const char* name) {
     if (folder.empty()) return "";
     const std::string why = why_not_writable(folder);
@@ -85,10 +86,12 @@ class KernelCaches {
       if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
       folder = private_->path() + "/" + name;
       fs::create_directory(folder);
-      ::setenv(variable, folder.c_str(), 1);
+      if (!prefer_environment(variable, folder, true) && &folder == &folders_.pocl)
+        return fmt::format("{}: {}. Set {} to a writable folder", place, said, variable);
       log_warning(place, fmt::format("{}; they are compiled again into a private folder, which is deleted when this "
                                      "program ends. Set {} to a writable folder",
                                      said, variable));
+      return "";
     } catch (const std::exception& error) {  // the driver may work without a cache
       said += std::string("; ") + error.what();
       log_warning(place, said);
@@ -109,6 +112,19 @@ KernelCaches& kernel_caches() {
 }
 
 }  // namespace
+
+KernelCacheFolders kernel_cache_folders(const char* (*variable)(const char* name)) {
+  const auto is_set = [](const char* value) { return value != nullptr && *value != '\0'; };
+  std::string cache;  // of the user; empty if the user has none
+  if (const char* xdg = variable("XDG_CACHE_HOME"); is_set(xdg)) cache = xdg;
+  else if (const char* home = variable("HOME"); is_set(home)) cache = std::string(home) + "/.cache";
+  const char* programs = variable("MULTUM_CACHE_DIR");
+  const char* pocl = variable("POCL_CACHE_DIR");
+  return {programs != nullptr ? programs
+          : cache.empty()     ? ""
+                              : cache + "/multum",
+          pocl != nullptr ? pocl : (cache.empty() ? "/tmp" : cache) + "/pocl/kcache"};
+}
 
 void set_kernel_caches(const KernelCacheFolders& folders) { kernel_caches().set(folders); }
 void prepare_kernel_caches() { kernel_caches().prepare(); }

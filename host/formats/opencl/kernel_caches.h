@@ -13,6 +13,11 @@ struct KernelCacheFolders {
   std::string pocl;      // folder for PoCL; empty to leave PoCL unchanged
 };
 
+/// Returns the folders that environment variables name; `variable` returns the value of a variable, or null. Programs go to $MULTUM_CACHE_DIR, or
+/// to the folder "multum" in the user's cache ($XDG_CACHE_HOME, or ~/.cache); an empty $MULTUM_CACHE_DIR keeps none.
+/// PoCL finds its folder in the same way.
+KernelCacheFolders kernel_cache_folders(const char* (*variable)(const char* name));
+
 /// Sets the folders; call it before the search for devices. The folders are not accessed yet.
 void set_kernel_caches(const KernelCacheFolders& folders);
 

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/machine.h"
 
 namespace multum {
@@ -25,11 +26,11 @@ bool processor_has_avx512() {
 // for all sizes. This takes seconds in a first bake. Kernels with one work-item per group do not become faster by it
 // (PoCL 3.1, AVX-512: bakes of 1024 x 1024 took the same time).
 void ask_pocl_for_one_version_of_kernels() {
-  [[maybe_unused]] static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+  [[maybe_unused]] static const bool asked = prefer_environment("POCL_WORK_GROUP_SPECIALIZATION", "0", false);
 }
 
 void set_pocl_threads(int threads) {
-  for (const char* variable : kThreadVariables) setenv(variable, std::to_string(threads).c_str(), 1);
+  for (const char* variable : kThreadVariables) prefer_environment(variable, std::to_string(threads), true);
 }
 
 void ask_pocl_for_usual_threads() {
@@ -45,7 +46,9 @@ bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512) 
 
 // With continuations (PoCL 6.0, haswell), bakes had the same bytes and took the same time.
 void ask_pocl_for_safe_loops(const std::string& platform_version) {
-  if (pocl_loops_may_abort(platform_version, processor_has_avx512())) setenv("POCL_WORK_GROUP_METHOD", "cbs", 0);
+  if (pocl_loops_may_abort(platform_version, processor_has_avx512()))
+    require_environment("POCL_WORK_GROUP_METHOD", "cbs",
+                        "PoCL with LLVM 18 ends the process while it compiles loops for this processor");
 }
 
 }  // namespace multum

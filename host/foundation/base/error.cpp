@@ -78,9 +78,4 @@ void fail_by_errno(const std::string& subject, const std::string& what) {
   throw Error(errno_code(number), subject + ": " + what + ": " + errno_text(number));
 }
 
-void check_failed(const char* condition, const char* file, int line) {
-  std::fprintf(stderr, "%s:%d: check failed: %s\n", file, line, condition);
-  std::abort();
-}
-
 }  // namespace multum

@@ -49,6 +49,7 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
 /// the failed call.
 [[noreturn]] void fail_by_errno(const std::string& subject, const std::string& what);
 
+/// Implemented in host/foundation/base/process_rules.
 [[noreturn]] void check_failed(const char* condition, const char* file, int line);
 
 }  // namespace multum

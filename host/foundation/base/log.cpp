@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/base/log.h"
 
-#include <cstdio>
-
 #include "host/foundation/base/messages/held_warnings.h"
+#include "host/foundation/base/messages/log_listener.h"
 #include "host/foundation/base/messages/option_words.h"
-#include "host/foundation/base/shown_text.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 
 namespace multum {
 namespace {
 
 LogLevel g_level = LogLevel::kNormal;
 
-void log_line(const std::string& line) { write_shown(stderr, line + "\n"); }
+// A listener chooses among all lines; the log level limits only lines without a listener.
+void log_line(LogKind kind, const std::string& line, bool is_shown) {
+  if (LogListener* const listener = log_receivers().listener) listener->hear(kind, line);
+  else if (is_shown) show_log_line(kind == LogKind::kWarning ? "warning: " + line : line);
+}
 
 }  // namespace
 
@@ -25,13 +28,16 @@ void log_warning(const std::string& subject, const std::string& message) {
 void log_named_warning(const std::string& marked) {
   const std::string warning = with_advice(marked);
   if (HeldWarnings::keep(warning)) return;
-  if (g_level != LogLevel::kQuiet) log_line("warning: " + warning);
+  log_line(LogKind::kWarning, warning, g_level != LogLevel::kQuiet);
 }
-void log_info(const std::string& message) {
-  if (g_level != LogLevel::kQuiet) log_line(message);
-}
+void log_info(const std::string& message) { log_line(LogKind::kInfo, message, g_level != LogLevel::kQuiet); }
 void log_verbose(const std::string& message) {
-  if (g_level == LogLevel::kVerbose) log_line(message);
+  log_line(LogKind::kVerbose, message, g_level == LogLevel::kVerbose);
+}
+
+LogReceivers& log_receivers() {
+  static thread_local LogReceivers receivers;
+  return receivers;
 }
 
 }  // namespace multum

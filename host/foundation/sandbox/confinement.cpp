@@ -18,6 +18,7 @@
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/open_file.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/machine.h"
 
 namespace multum {
@@ -139,10 +140,11 @@ Confinement system_confinement(const Variables& variable) {
                       "/etc/ssl/openssl.cnf"};
   for (const char* drivers : {"/opt/rocm*", "/opt/amdgpu*", "/opt/intel"}) add_matching(allowed.readable, drivers);
   add_drivers(allowed.readable, variable);
-  // The folders of an unpacked archive are PREFIX/bin and PREFIX/lib.
-  const fs::path folder = own_folder();
+  // The folders of an unpacked archive are PREFIX/bin, PREFIX/lib and PREFIX/libexec.
+  const fs::path folder = program_folder();
   allowed.readable.push_back(folder.string());
   allowed.readable.push_back((folder.parent_path() / "lib").string());
+  allowed.readable.push_back((folder.parent_path() / "libexec").string());
   allowed.readable.push_back((folder.parent_path() / "share").string());
   for (const char* paths : {"LD_LIBRARY_PATH", "OCL_ICD_VENDORS", "LIBGL_DRIVERS_PATH", "LD_PRELOAD"})
     add_each(allowed.readable, variable(paths));

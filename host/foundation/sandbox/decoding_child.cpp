@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/machine.h"
 
 namespace multum {
@@ -38,7 +39,14 @@ IdleChildren& idle_children() {
 
 }  // namespace
 
-std::string decoder_beside_this_program() { return own_folder() + "/multum-decode"; }
+std::string decoder_beside_this_program() {
+  const std::filesystem::path folder = program_folder(), name = "multum-decode";
+  const std::filesystem::path installed = folder.parent_path() / "libexec" / "multum" / name;
+  std::error_code error;
+  return (!std::filesystem::exists(folder / name, error) && std::filesystem::exists(installed, error) ? installed
+                                                                                                      : folder / name)
+      .string();
+}
 
 DecodedFile::DecodedFile(DecodingChild child, std::string path, std::string library)
     : child_(std::move(child)),

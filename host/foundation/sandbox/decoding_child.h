@@ -16,8 +16,8 @@
 
 namespace multum {
 
-/// Returns multum-decode in the folder of the running program: both programs must be of the same build, so PATH is not
-/// searched.
+/// Returns multum-decode in the folder of the running program, or in PREFIX/libexec/multum for a program in PREFIX/bin.
+/// Both programs must be of the same build, so PATH is not searched.
 std::string decoder_beside_this_program();
 
 /// Base limits of a child for one request; larger files add to them.

@@ -24,6 +24,7 @@
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/path_text.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/child_process.h"
 #include "host/foundation/base/processes/machine.h"
 
@@ -50,7 +51,7 @@ constexpr std::size_t kWaitingMax = 64;  // jobs: usually about a minute
 
 // Looks next to this program, then in PATH.
 std::string find_program(const std::string& name) {
-  std::vector<fs::path> folders = {own_folder()};
+  std::vector<fs::path> folders = {program_folder()};
   const char* path = std::getenv("PATH");
   for (std::string_view rest = path != nullptr ? path : ""; !rest.empty();) {
     const std::string_view one = rest.substr(0, rest.find(':'));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/formats/image/files/memory_image_file.h"
 #include "host/formats/image/files/number_type.h"
 #include "host/foundation/base/error.h"
 
@@ -71,7 +72,8 @@ void check_described(const std::string& path, const ImageDescription& descriptio
 }
 
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings) {
-  std::unique_ptr<ImageFile> file = opener()(path, settings);
+  std::unique_ptr<ImageFile> file = open_memory_image(path);
+  if (file == nullptr) file = opener()(path, settings);
   check_described(path, file->description(), settings.texel_count_max);
   return file;
 }

@@ -6,9 +6,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/files/memory_images.h"
 #include "host/foundation/base/files/regular_file.h"
 
 namespace multum {
@@ -47,6 +49,7 @@ std::string hash_text(std::string_view text) {
 }
 
 std::string hash_file(const std::string& path) {
+  if (const std::optional<MemoryImage> image = find_memory_image(path)) return hash_memory_image(*image);
   const OpenFile file = open_regular_file(path);
   if (!file.is_open()) throw Error(ErrorCode::kInput, path + ": cannot be opened: " + std::strerror(errno));
   ContentHash hash;

@@ -27,7 +27,8 @@ class ContentHash {
 };
 
 std::string hash_text(std::string_view text);
-/// Returns the SHA-256 of a file. Throws Error(kInput) when the file cannot be read.
+/// Returns the SHA-256 of a file, or of an image in memory by its name (host/foundation/base/files/memory_images.h).
+/// Throws Error(kInput) when the file cannot be read.
 std::string hash_file(const std::string& path);
 
 }  // namespace multum

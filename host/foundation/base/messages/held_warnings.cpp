@@ -1,36 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/base/messages/held_warnings.h"
 
-#include <mutex>
 #include <utility>
 
+#include "host/foundation/base/messages/log_listener.h"
+
 namespace multum {
-namespace {
 
-std::mutex g_held_mutex;
-HeldWarnings* g_held = nullptr;
+HeldWarnings::HeldWarnings() : outer_(std::exchange(log_receivers().held, this)) {}
 
-}  // namespace
-
-HeldWarnings::HeldWarnings() {
-  const std::lock_guard lock(g_held_mutex);
-  outer_ = std::exchange(g_held, this);
-}
-
-HeldWarnings::~HeldWarnings() {
-  const std::lock_guard lock(g_held_mutex);
-  g_held = outer_;
-}
+HeldWarnings::~HeldWarnings() { log_receivers().held = outer_; }
 
 std::vector<std::string> HeldWarnings::take() {
-  const std::lock_guard lock(g_held_mutex);
+  const std::lock_guard lock(mutex_);
   return std::exchange(held_, {});
 }
 
 bool HeldWarnings::keep(const std::string& message) {
-  const std::lock_guard lock(g_held_mutex);
-  if (g_held != nullptr) g_held->held_.push_back(message);
-  return g_held != nullptr;
+  HeldWarnings* const held = log_receivers().held;
+  if (held == nullptr) return false;
+  const std::lock_guard lock(held->mutex_);
+  held->held_.push_back(message);
+  return true;
 }
 
 }  // namespace multum

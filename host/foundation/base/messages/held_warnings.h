@@ -3,13 +3,14 @@
 // and belong in the report of the trials.
 #pragma once
 
+#include <mutex>
 #include <string>
 #include <vector>
 
 namespace multum {
 
-/// While an object exists, it collects the warnings of log_warning() and log_named_warning() from all threads, with
-/// their subjects. A nested object collects its own.
+/// While an object exists, it collects the warnings of log_warning() and log_named_warning() with their subjects, from
+/// the thread that made it and from threads that work for this thread. A nested object collects its own.
 class HeldWarnings {
  public:
   HeldWarnings();
@@ -19,10 +20,11 @@ class HeldWarnings {
   /// Returns the collected warnings in order and removes them.
   std::vector<std::string> take();
 
-  /// Passes the message to the innermost object; returns false if there is no such object.
+  /// Passes the message to the innermost object of this thread; returns false if there is no such object.
   static bool keep(const std::string& message);
 
  private:
+  std::mutex mutex_;
   std::vector<std::string> held_;
   HeldWarnings* outer_;
 };

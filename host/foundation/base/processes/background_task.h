@@ -7,6 +7,8 @@
 #include <future>
 #include <utility>
 
+#include "host/foundation/base/messages/log_listener.h"
+
 namespace multum {
 
 class BackgroundTask {
@@ -24,7 +26,7 @@ class BackgroundTask {
   void run(int threads, std::function<void()> task) {
     wait();
     if (threads == 1) task();
-    else running_ = std::async(std::launch::async, std::move(task));
+    else running_ = std::async(std::launch::async, with_own_log(std::move(task)));
   }
   /// Waits for the task and throws its exception.
   void wait() {

@@ -50,8 +50,6 @@ std::string own_program() {
   return std::filesystem::read_symlink("/proc/self/exe", error).string();
 }
 
-std::string own_folder() { return std::filesystem::path(own_program()).parent_path().string(); }
-
 std::uint64_t machine_memory_bytes() {
   static const std::uint64_t bytes =
       std::min({static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)),

@@ -12,8 +12,6 @@ struct ContainerLimits;
 
 /// The file of the running program, without links; "" if the system does not report it.
 std::string own_program();
-/// The folder of own_program(), which also holds the other programs of the same build.
-std::string own_folder();
 
 /// Largest number of bytes of memory for this process: the machine's memory, or a lower limit of the container (control
 /// groups, host/foundation/base/processes/container_limits.h) or of the process (ulimit -v and -d). Determined at the

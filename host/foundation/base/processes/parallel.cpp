@@ -2,6 +2,7 @@
 // Threads take bands from a counter: a slow band delays no other thread, and results do not depend on which thread
 // takes a band.
 #include "host/foundation/base/processes/parallel.h"
+#include "host/foundation/base/messages/log_listener.h"
 #include "host/foundation/base/processes/machine.h"
 
 #include <algorithm>
@@ -34,7 +35,7 @@ void for_each_row_band(int row_count, int rows_per_band, int threads,
     }
   };
   std::vector<std::jthread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(work);
+  for (int i = 1; i < threads; ++i) others.emplace_back(with_own_log([&work] { work(); }));
   work();
   others.clear();  // joins
   if (failure) std::rethrow_exception(failure);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/child_process.h"
 #include "host/foundation/base/processes/machine.h"
 #include "tools/lab/bench/measuring/measured_program.h"
@@ -16,7 +17,7 @@ namespace multum::bench {
 namespace fs = std::filesystem;
 
 std::string neighbouring_program(const std::string& name) {
-  const fs::path folder = own_folder();
+  const fs::path folder = program_folder();
   for (const fs::path& program : {folder / name, folder / "test" / name})
     if (fs::exists(program)) return program.string();
   throw Error(ErrorCode::kEnvironment, fmt::format("{}: not found, expected {} in the folder of multum-bench (build "

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implements host/foundation/base/process_rules for libmultum, which changes nothing of its host's process.
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+#include "host/api/multum.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/process_rules/process_rules.h"
+
+namespace multum {
+
+bool prefer_environment(const char*, const std::string&, bool) { return false; }
+
+void require_environment(const char* name, const std::string& value, const std::string& reason) {
+  if (std::getenv(name) != nullptr) return;
+  throw Error(ErrorCode::kEnvironment, std::string("environment variable ") + name + " is not set, expected " + name +
+                                           "=" + value + " before the process starts: " + reason);
+}
+
+void show_log_line(const std::string&) {}
+
+// multum-decode is in PREFIX/libexec/multum for a library in PREFIX/lib or PREFIX/lib/ARCHITECTURE; next to the library
+// in a Python wheel; and in the folder bin next to the library's folder in a build folder.
+std::string program_folder() {
+  Dl_info found = {};
+  if (::dladdr(reinterpret_cast<const void*>(&multum_version), &found) == 0 || found.dli_fname == nullptr) return "";
+  std::error_code error;
+  const std::filesystem::path library = std::filesystem::canonical(found.dli_fname, error).parent_path();
+  for (const char* folder : {".", "../libexec/multum", "../../libexec/multum", "../bin"}) {
+    const std::filesystem::path found_folder = (library / folder).lexically_normal();
+    if (std::filesystem::exists(found_folder / "multum-decode", error)) return found_folder.string();
+  }
+  return library.string();
+}
+
+void check_failed(const char* condition, const char* file, int line) {
+  throw std::logic_error(std::string("check failed: ") + condition + " (" + file + ":" + std::to_string(line) + ")");
+}
+
+}  // namespace multum

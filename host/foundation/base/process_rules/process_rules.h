@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Says what this code may do to the process that it runs in. A program owns its process: it sets environment variables
+// for drivers, writes its log to stderr, and stops after a programming error. A library owns nothing of its host. Each
+// binary links one implementation: program_rules.cpp, or host/api/library_rules.cpp for libmultum.
+#pragma once
+
+#include <string>
+
+namespace multum {
+
+/// Sets an environment variable that makes a driver faster, unless `replace` is false and the variable is set. Returns
+/// whether the variable now has the value; false in the library, which never changes the environment.
+bool prefer_environment(const char* name, const std::string& value, bool replace);
+
+/// Sets an environment variable without which a driver would end the process, unless the variable is set. The library
+/// throws Error(kEnvironment) instead, which names the variable, the value and `reason`.
+void require_environment(const char* name, const std::string& value, const std::string& reason);
+
+/// Writes a line of the log to stderr; the library drops it, because each call of the library has its own listener
+/// (host/foundation/base/messages/log_listener.h).
+void show_log_line(const std::string& line);
+
+/// Returns the folder with the programs of the same build: the folder of the running program, or for the library the
+/// folder with multum-decode.
+std::string program_folder();
+
+/// Handles a failed MULTUM_CHECK: the program prints the place and aborts; the library throws std::logic_error, which
+/// becomes an error of the call.
+[[noreturn]] void check_failed(const char* condition, const char* file, int line);
+
+}  // namespace multum

@@ -1,0 +1,332 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tests the Python package: arrays without copies, the same texels as the program, errors, cancelling, shading, the
+reader that needs no library, and the client of the service.
+
+Environment: MULTUM, the program; PYTHONPATH, the folder with the package.
+"""
+import doctest
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+
+import numpy as np
+
+import multum
+from multum import _api
+
+MULTUM = os.environ["MULTUM"]
+
+
+def wavy_normals(size, dtype=np.float32):
+    """Unit normals of a wavy surface that tiles; integers are scaled to their range."""
+    t, s = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
+    a = 0.4 * np.sin(2 * np.pi * (5 * s + t) / size) + 0.2 * np.cos(22 * np.pi * s / size)
+    b = 0.3 * np.cos(2 * np.pi * (3 * t - s) / size)
+    normals = np.stack([-a, -b, np.ones_like(a)], -1) / np.sqrt(1 + a * a + b * b)[..., None]
+    if np.issubdtype(dtype, np.integer):
+        return np.rint((normals + 1) / 2 * np.iinfo(dtype).max).astype(dtype)
+    return normals.astype(dtype)
+
+
+def program(*words):
+    return subprocess.run([MULTUM, *map(str, words)], capture_output=True, text=True, check=False)
+
+
+class FolderTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="multum-python-test-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+
+class BakeTest(FolderTest):
+    def test_documented_examples(self):
+        for module in (multum, _api):
+            failed, tried = doctest.testmod(module)
+            self.assertEqual(failed, 0)
+            self.assertGreater(tried, 0)
+
+    def test_program_makes_the_same_texels(self):
+        source = self.folder / "map_normal.png"
+        self.assertEqual(program("testmap", "--size", 64, "--write-green", "up", "-o", self.folder / "map").returncode, 0)
+        self.assertEqual(program("bake", source, "-o", self.folder / "a.ndf.exr", "--lobes", 3).returncode, 0)
+        baked = multum.bake(source, self.folder / "b.ndf.exr", lobes=3)
+        other = multum.load(self.folder / "a.ndf.exr")
+        self.assertEqual(baked.content_hash, other.content_hash)
+        self.assertEqual(baked.settings(), other.settings())
+        self.assertEqual(baked.error(), other.error())
+        self.assertGreater(len(baked.error()), 3)
+        np.testing.assert_array_equal(baked.lobes(2), other.lobes(2))
+        self.assertIn("stages", baked.report())
+        self.assertEqual(other.report(), {})
+
+    def test_every_type_of_array(self):
+        for dtype in (np.uint8, np.uint16, np.float16, np.float32, np.float64):
+            with self.subTest(dtype=dtype):
+                baked = multum.bake(wavy_normals(32, dtype))
+                self.assertEqual((baked.width, baked.height, baked.level_count), (32, 32, 6))
+                mean = baked.lobes(5)[:, 0, 0].sum(axis=0)
+                expected = wavy_normals(32).astype(np.float64).mean(axis=(0, 1))
+                np.testing.assert_allclose(mean[:3], expected, atol=0.02)
+
+    def test_views_of_arrays_need_no_copy_of_rows(self):
+        whole = wavy_normals(32)
+        flipped = np.ascontiguousarray(whole[::-1])
+        self.assertEqual(multum.bake(flipped[::-1]).content_hash, multum.bake(whole).content_hash)
+        wide = np.zeros((32, 40, 3), np.float32)
+        wide[:, 4:36] = whole
+        self.assertEqual(multum.bake(wide[:, 4:36]).content_hash, multum.bake(whole).content_hash)
+        planes = np.ascontiguousarray(np.moveaxis(whole, -1, 0))  # channels first: copied
+        self.assertEqual(multum.bake(np.moveaxis(planes, 0, -1)).content_hash, multum.bake(whole).content_hash)
+
+    def test_albedo_and_roughness_from_arrays(self):
+        albedo = np.zeros((16, 16, 3), np.float32)
+        albedo[:, :8] = [1.0, 0.5, 0.25]
+        rough = np.full((16, 16), 0.5, np.float32)
+        baked = multum.bake(wavy_normals(16), albedo=albedo, roughness=rough, lobes=2)
+        self.assertTrue(baked.has_colours)
+        np.testing.assert_allclose(baked.colours(4)[:, 0, 0].sum(axis=0), [0.5, 0.25, 0.125], atol=2e-3)
+        self.assertIn("roughness", str(baked.report()))
+
+    def test_nothing_remains_of_a_bake_in_memory(self):
+        temporary = self.folder / "tmp"
+        temporary.mkdir()
+        code = "import multum, numpy as np\nimport sys; sys.path.insert(0, %r)\nfrom python_test import wavy_normals\n" \
+               "baked = multum.bake(wavy_normals(16)); baked.save(%r); print(baked.content_hash)" % (
+                   os.path.dirname(os.path.abspath(__file__)), str(self.folder / "kept.ndf.exr"))
+        run = subprocess.run([sys.executable, "-c", code], env=dict(os.environ, TMPDIR=str(temporary)),
+                             capture_output=True, text=True, check=True)
+        self.assertEqual(multum.load(self.folder / "kept.ndf.exr").content_hash, run.stdout.strip())
+        self.assertEqual(list(temporary.iterdir()), [])
+        self.assertEqual(program("verify", self.folder / "kept.ndf.exr").returncode, 0)
+
+    def test_export_and_measure(self):
+        normals = wavy_normals(32)
+        report = multum.export(normals, self.folder / "material", roughness=np.full((32, 32), 0.4, np.float32))
+        self.assertGreater(len(report["files"]), 3)
+        for file in report["files"]:
+            self.assertTrue((self.folder / "material" / os.path.basename(str(file))).exists(), file)
+        baked = multum.bake(normals, self.folder / "a.ndf.exr")
+        self.assertEqual(multum.measure(self.folder / "a.ndf.exr", normals), baked.error())
+
+    def test_warnings_are_warnings_of_python(self):
+        normals = wavy_normals(32)
+        normals[:, :16] = [0.0, 0.0, 1.0]  # does not tile
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            multum.bake(normals)
+        self.assertTrue(any("green" in str(one.message) for one in caught), [str(c.message) for c in caught])
+        self.assertFalse(any("--" in str(one.message) for one in caught))
+
+
+class MapTest(FolderTest):
+    def test_levels_are_read_only_views_without_copies(self):
+        baked = multum.bake(wavy_normals(32), lobes=2)
+        level = baked.lobes(1)
+        self.assertEqual(level.shape, (2, 16, 16, 4))
+        self.assertFalse(level.flags.owndata)
+        self.assertFalse(level.flags.writeable)
+        self.assertTrue(np.shares_memory(level, baked.lobes(1)))
+        del baked  # the view keeps the map
+        self.assertTrue(np.isfinite(level).all())
+
+    def test_regions_and_stored_types(self):
+        baked = multum.bake(wavy_normals(64), lobes=2)
+        level = baked.lobes(1)
+        np.testing.assert_array_equal(baked.read(1, (3, 5, 7, 9)), level[:, 5:14, 3:10])
+        stored = baked.read(1, (3, 5, 7, 9), dtype=np.int16)
+        np.testing.assert_array_equal(stored.astype(np.float32) / np.float32(32767), level[:, 5:14, 3:10])
+        self.assertEqual(baked.read(1, (0, 0, 4, 4), dtype="float16").dtype, np.float16)
+
+    def test_reader_without_the_library_agrees(self):
+        try:
+            from multum import reader
+        except ImportError:
+            self.skipTest("OpenImageIO's Python module is not installed")
+        path = self.folder / "a.ndf.exr"
+        baked = multum.bake(wavy_normals(32), path, lobes=3)
+        for level in range(6):
+            amplitude, mean, _, _ = reader.read_lobes(str(path), level)
+            lobes = baked.lobes(level)
+            np.testing.assert_allclose(amplitude, lobes[..., 3], atol=1e-7)
+            expected = lobes[..., :3] / np.maximum(lobes[..., 3:], 1e-20)
+            expected = expected / np.maximum(np.linalg.norm(expected, axis=-1, keepdims=True), 1.0)
+            np.testing.assert_allclose(mean, expected, atol=1e-6)
+        self.assertEqual(reader.content_hash(str(path)), baked.content_hash)
+
+    def test_lookup_and_shading_broadcast(self):
+        baked = multum.bake(wavy_normals(32), lobes=2)
+        u, v = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 4))
+        lobes = baked.lookup(u, v, 1.5)
+        self.assertEqual(lobes.values.shape, (4, 5, 2, 4))
+        self.assertEqual(lobes.kappa.shape, (4, 5, 2))
+        up = np.array([0.0, 0.0, 1.0])
+        lights = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]])
+        rgb = baked.shade(0.5, 0.5, 2.0, lights, up, "ggx:0.4")
+        self.assertEqual(rgb.shape, (2, 3))
+        self.assertTrue((rgb > 0).all())
+        light, pdf = lobes.sample(up, np.random.default_rng(1).random((4, 5, 3)), "ggx:0.4")
+        self.assertEqual((light.shape, pdf.shape), ((4, 5, 3), (4, 5)))
+        np.testing.assert_allclose(lobes.pdf(up, light, "ggx:0.4"), pdf, rtol=1e-9)
+        np.testing.assert_allclose(np.linalg.norm(light, axis=-1), 1.0, atol=1e-12)
+
+
+class ErrorTest(FolderTest):
+    def test_exceptions_carry_file_found_and_expected(self):
+        with self.assertRaises(multum.SettingError) as caught:
+            multum.bake(wavy_normals(8), lobes=9)
+        self.assertEqual(str(caught.exception), "lobes is 9, expected an integer from 1 to 8")
+        self.assertEqual((caught.exception.found, caught.exception.expected), ("9", "an integer from 1 to 8"))
+        self.assertIsInstance(caught.exception, ValueError)
+        with self.assertRaises(multum.InputError) as caught:
+            multum.bake("/nowhere/a.png")
+        self.assertEqual(caught.exception.file, "/nowhere/a.png")
+        with self.assertRaises(multum.SettingError):
+            multum.bake(wavy_normals(8), lobse=3)
+        with self.assertRaises(multum.SettingError) as caught:
+            multum.bake(np.zeros((4, 4, 3, 1)))
+        self.assertIn("expected (height, width)", str(caught.exception))
+        with self.assertRaises(multum.SettingError):
+            multum.bake(np.zeros((4, 4, 3), np.int64))
+        with self.assertRaises(multum.InputError):
+            multum.load(__file__)
+        with self.assertRaises(multum.MachineError):
+            multum.bake(wavy_normals(8), device="no such device")
+
+    def test_progress_can_cancel_and_raise(self):
+        seen = []
+
+        def stop(stage, share):
+            seen.append((stage, share))
+            return len(seen) < 3
+
+        output = self.folder / "new" / "a.ndf.exr"
+        with self.assertRaises(multum.Cancelled):
+            multum.bake(wavy_normals(32), output, progress=stop)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+        def fail(stage, share):
+            raise ZeroDivisionError(stage)
+
+        with self.assertRaises(ZeroDivisionError):
+            multum.bake(wavy_normals(32), output, progress=fail)
+        stages = []
+        multum.bake(wavy_normals(32), progress=lambda stage, share: stages.append(share))
+        self.assertEqual(stages[-1], 1.0)
+
+    def test_ctrl_c_cancels(self):
+        code = ("import multum, sys\nsys.path.insert(0, %r)\nfrom python_test import wavy_normals\n"
+                "def tell(stage, share):\n    print(stage, flush=True)\n"
+                "try:\n    multum.bake(wavy_normals(2048), progress=tell)\n"
+                "except KeyboardInterrupt:\n    print('interrupted')\n" % os.path.dirname(os.path.abspath(__file__)))
+        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as child:
+            child.stdout.readline()
+            child.send_signal(signal.SIGINT)
+            begin = time.monotonic()
+            rest = child.stdout.read()
+            self.assertEqual(child.wait(), 0)
+        self.assertIn("interrupted", rest)
+        self.assertLess(time.monotonic() - begin, 60)
+
+    def test_other_threads_run_during_a_bake(self):
+        count, done = [0], threading.Event()
+
+        def tick():
+            while not done.is_set():
+                count[0] += 1
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        multum.bake(wavy_normals(256))
+        done.set()
+        thread.join()
+        self.assertGreater(count[0], 5)
+
+    def test_types(self):
+        if shutil.which("mypy") is None:
+            self.skipTest("mypy is not installed")
+        user = self.folder / "user.py"
+        user.write_text("import multum\nimport numpy as np\n"
+                        "baked: multum.BakedMap = multum.bake(np.zeros((4, 4, 3), np.float32), lobes=2)\n"
+                        "level: np.ndarray = baked.lobes(1)\nerror: float = baked.error()[0].error\n"
+                        "job: multum.Job = multum.Service('http://127.0.0.1:1').submit('bake', 'a', lobes=2)\n")
+        package = os.path.dirname(os.path.dirname(multum.__file__))
+        run = subprocess.run(["mypy", "--strict-optional", "--ignore-missing-imports", str(user),
+                              "--cache-dir", str(self.folder / "cache")],
+                             env=dict(os.environ, MYPYPATH=package), capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 0, run.stdout)
+
+
+class ServiceTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        if program("serve", "--help").returncode != 0:
+            self.skipTest("multum was built without the farm")
+        self.data, self.root = self.folder / "data", self.folder / "root"
+        self.root.mkdir()
+        with open(self.folder / "log", "wb") as log:
+            self.daemon = subprocess.Popen([MULTUM, "serve", "--data", str(self.data), "--root", str(self.root),
+                                            "--listen", "127.0.0.1:0"], stdout=log, stderr=log)
+        self.addCleanup(self._stop)
+        limit = time.monotonic() + 30
+        while not (self.data / "address").exists():
+            self.assertIsNone(self.daemon.poll(), (self.folder / "log").read_text())
+            self.assertLess(time.monotonic(), limit)
+            time.sleep(0.02)
+        self.service = multum.Service((self.data / "address").read_text().strip())
+        self.source = self.root / "map_normal.png"
+        self.assertEqual(program("testmap", "--size", 64, "--write-green", "up", "-o", self.root / "map").returncode, 0)
+
+    def _stop(self):
+        if self.daemon.poll() is None:
+            self.daemon.terminate()
+            self.daemon.wait()
+
+    def test_jobs_from_submission_to_result(self):
+        output = str(self.root / "a.ndf.exr")
+        job = self.service.submit("bake", output=output, input=str(self.source), lobes=2)
+        events = list(job.events(120))
+        job.wait()
+        self.assertEqual(job.state, "succeeded")
+        self.assertGreater(len(events), 0)
+        self.assertEqual(multum.load(output).lobe_count, 2)
+        fetched = self.folder / "fetched.ndf.exr"
+        job.fetch(fetched)
+        self.assertEqual(fetched.read_bytes(), pathlib.Path(output).read_bytes())
+        self.assertIn(job.id, [one.id for one in self.service.jobs()])
+        self.assertIsInstance(job.log(), str)
+
+        uploaded = self.service.upload(self.source)
+        kept = self.service.submit("bake", output="kept.ndf.exr", input=uploaded, lobes=2, needs=[job])
+        self.service.wait([kept], 120)
+        kept.fetch(self.folder / "kept.ndf.exr")
+        self.assertEqual(multum.load(self.folder / "kept.ndf.exr").content_hash, multum.load(output).content_hash)
+
+    def test_refusals_are_exceptions(self):
+        with self.assertRaises(multum.ServiceError) as caught:
+            self.service.submit("bake", output=str(self.root / "b.ndf.exr"), input=str(self.source), lobes=99)
+        self.assertIn("lobes", str(caught.exception))
+        bad = self.root / "bad.png"
+        bad.write_bytes(b"no picture")
+        job = self.service.submit("bake", output=str(self.root / "c.ndf.exr"), input=str(bad))
+        with self.assertRaises(multum.ServiceError) as caught:
+            job.wait(120)
+        self.assertIn("dead", str(caught.exception))
+        self._stop()
+        with self.assertRaises(multum.ServiceError) as caught:
+            self.service.jobs()
+        self.assertIn("cannot be reached", str(caught.exception))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
