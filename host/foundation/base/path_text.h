@@ -27,7 +27,7 @@ std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
 /// unchanged.
 std::string text_of_message(std::string_view message);
 
-/// Returns whether text_of_path() leaves the path unchanged. False for every path that is not UTF-8.
+/// Returns whether text_of_path() leaves the path unchanged, which is never true for a path that is not UTF-8.
 bool is_own_text(std::string_view path);
 
 }  // namespace multum

@@ -12,7 +12,7 @@ namespace multum {
 /// names mean no file.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
-/// Returns `path`, which `file` gives relative to its own folder; an empty path stays empty (no file).
+/// Returns the path to `path`, which `file` gives relative to its own folder. An empty path stays empty (no file).
 std::string path_beside(const std::string& file, const std::string& path);
 
 /// Returns the same name for all names of a file. The file does not need to exist yet.
