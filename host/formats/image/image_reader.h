@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads image files by bands of rows, through OpenImageIO. Returns the file's own numbers, without colour conversion,
-// multiplication by alpha, or resizing; other code interprets them.
+// multiplication by alpha, or resizing. Other code interprets them.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class ImageReader {
   const RawImageInfo& info() const;
 
   /// Passes the bands, from the top, to `consume`, one after another. Unless settings.threads is 1, a second thread
-  /// consumes a band while the next one is read. Rethrows exceptions of `consume`; throws Error(kInput) as the
+  /// consumes a band while the next one is read. Rethrows exceptions of `consume`, and throws Error(kInput) as the
   /// constructor does. Can cancel between bands. Call it once.
   void read(const std::function<void(const RawBand&)>& consume, Progress* progress);
 

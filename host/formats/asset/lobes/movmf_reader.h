@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file; read_movmf_mipmap() reads all rows, read_movmf_header() reads none.
+// Reads rows of a baked file. read_movmf_mipmap() reads all rows, and read_movmf_header() reads none.
 #pragma once
 
 #include <memory>
@@ -20,10 +20,10 @@ class MovmfReader {
   MovmfReader(const MovmfReader&) = delete;
   MovmfReader& operator=(const MovmfReader&) = delete;
 
-  /// Returns all contents except texels: levels have sizes and empty lobes.
+  /// Returns all contents except texels. Levels have sizes and empty lobes.
   const MovmfMipmap& header() const;
-  /// Height of one row of tiles. Reads that begin at a multiple of this height and cover a multiple of it decompress no
-  /// row twice.
+  /// The height of one row of tiles. If reads begin at a multiple of this height and cover a multiple of it, no row is
+  /// decompressed twice.
   int tile_size() const;
   /// Rows found by TexelCheck::kReport, such as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const;

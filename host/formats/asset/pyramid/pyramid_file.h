@@ -43,14 +43,14 @@ struct Pyramid {
   std::vector<PyramidLevel> levels;
 };
 
-/// Rounds to values that the encoding stores. Values beyond the largest half become 65504; returns the number of such
+/// Rounds to values that the encoding stores. Values above the largest half become 65504. Returns the number of such
 /// values.
 std::uint64_t quantize_pyramid(std::vector<float>& values, StorageEncoding encoding);
 
 class PyramidWriter {
  public:
-  /// Ignores the content hash in `header`: commit() sets it. Throws as AtomicFile does if the path cannot be written,
-  /// and Error(kUsage) for an unknown compression.
+  /// Ignores the content hash in `header`, because commit() sets it. Throws as AtomicFile does if the path cannot be
+  /// written, and Error(kUsage) for an unknown compression.
   PyramidWriter(const std::string& path, const PyramidHeader& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~PyramidWriter();
