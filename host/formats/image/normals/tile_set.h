@@ -22,7 +22,7 @@ enum class TileSide { kLeft, kRight, kAbove, kBelow };
 constexpr TileSide kTileSides[] = {TileSide::kLeft, TileSide::kRight, TileSide::kAbove, TileSide::kBelow};
 const char* tile_side_name(TileSide side);
 
-/// What is next to one side of a tile.
+/// The place next to one side of a tile.
 struct TileBeside {
   enum class Kind {
     kNeighbour,  // another tile
