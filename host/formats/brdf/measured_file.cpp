@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uintmax_t kTextBytesMax = std::uintmax_t{256} << 20;
 
-// ---- text ----
+// ---- text files ----
 
 // CIE 1931 colour matching by sums of lobes (Wyman, Sloan and Shirley 2013).
 double lobe(double x, double mean, double below, double above) {
@@ -149,7 +149,7 @@ void read_merl(const std::string& path, std::istream& in, BrdfCells& cells) {
       }
 }
 
-using Layer = std::vector<std::vector<double>>;  // rows of the kernel, then the bias
+using Layer = std::vector<std::vector<double>>;  // rows of the kernel, followed by the bias
 
 std::vector<Layer> network_layers(const std::string& path, const nlohmann::json& file) {
   std::vector<Layer> layers;

@@ -15,14 +15,14 @@ namespace multum {
 
 struct MomentScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // excess beyond the tolerance
+  WorstTexel variance, slope, length, weight;  // how far values exceed their tolerances
 };
 
 namespace {
 
 // Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
-// moment; a length may differ by this amount. Rounding down subtracts up to a whole step of the square, 2^-10 of its
-// value; averaging in float adds an error of about 2^-24.
+// moment, and a length may differ by this amount. Rounding to halfs lowers a square by up to a whole step, 2^-10 of its
+// value. Averaging in float adds an error of about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 

@@ -61,7 +61,7 @@ int levels_of_side(int side, bool rounds_up) {
   return count;
 }
 
-// `mode`: the low four bits select the levels, the high four bits the rounding of their sizes.
+// The low four bits of `mode` select the levels, and the high four bits the rounding of their sizes.
 void add_levels(ExrPart& part, int mode) {
   constexpr int kOneLevel = 0, kMipmap = 1;
   const bool rounds_up = mode / 16 != 0;
@@ -316,7 +316,7 @@ void ExrChunks::check_range(std::size_t part, std::size_t first, std::size_t end
 void ExrChunks::check(std::size_t part, std::size_t chunk) const {
   const std::int64_t size = unpacked_bytes(part, chunk);
   const std::int32_t packed_size = parts_[part].chunks[chunk].size;
-  if (packed_size == size) return;  // stored unpacked
+  if (packed_size == size) return;  // the chunk is stored unpacked
   const char* const wrong = check_exr(parts_[part].compression, packed_bytes(part, chunk),
                                       static_cast<std::size_t>(packed_size), static_cast<std::size_t>(size));
   if (wrong != nullptr) refuse(part, chunk, wrong);

@@ -141,7 +141,7 @@ void RecordFile::append(const std::vector<Bytes>& parts) {
   for (const Bytes& part : parts) {
     if (!write_all(file_.descriptor(), part, end)) {
       const int error = errno;
-      // If this also fails, the next run finds and removes the torn end.
+      // If this also fails, the next run finds and removes the incomplete record at the end.
       [[maybe_unused]] const int ignored = ::ftruncate(file_.descriptor(), static_cast<off_t>(size_));
       errno = error;
       fail_by_errno(shown_path_, "cannot be written");
