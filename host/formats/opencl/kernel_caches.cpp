@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Folder that is removed by the process that made it, not by a child made by fork().
+// A folder that is removed by the process that made it, not by a child of fork().
 class PrivateFolder {
  public:
   explicit PrivateFolder(const std::string& above) : path_(above + "/multum-cache-XXXXXX"), owner_(::getpid()) {
@@ -40,8 +40,8 @@ class PrivateFolder {
   const pid_t owner_;
 };
 
-// Returns why no folder can be made inside `folder`; empty if one can. Tries to make a folder, because permissions
-// do not decide this (root, a read-only or full disk).
+// Returns why no folder can be made inside `folder`, or an empty text if one can. Tries to make a folder, because
+// permissions do not tell this (root, a read-only or full disk).
 std::string why_not_writable(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -74,7 +74,7 @@ class KernelCaches {
   const std::string& pocl_failure() const { return pocl_failure_; }
 
  private:
-  // Replaces a folder that cannot be written by a private one. Returns the warning.
+  // If a folder cannot be written, replaces it by a private one. Returns the warning.
   std::string replace(std::string& folder, const char* variable, const char* name) {
     if (folder.empty()) return "";
     const std::string why = why_not_writable(folder);

@@ -54,7 +54,7 @@ class PngFile {
     guarded([this] { write_header(); });
   }
 
-  /// Writes rows in the format that the file was opened with.
+  /// Writes rows in the format with which the file was opened.
   void write_rows(int row_count, const void* interleaved) {
     MULTUM_CHECK(row_ + row_count <= format_.height);
     const auto row_bytes = static_cast<std::size_t>(format_.width * format_.channels * (format_.bits / 8));
@@ -92,7 +92,7 @@ class PngFile {
   template <typename Work>
   void guarded(const Work& work) {
     if (setjmp(png_jmpbuf(objects_.png)) != 0) {
-      if (!bytes_.failure().empty()) bytes_.close();  // throws
+      if (!bytes_.failure().empty()) bytes_.close();  // throws the failure
       fail(message_);
     }
     work();
@@ -117,7 +117,7 @@ class PngFile {
   OutputFile bytes_;
   PngObjects objects_;
   char message_[128] = "";
-  int row_ = 0;  // the next
+  int row_ = 0;  // the next row
 };
 
 Png16Writer::Png16Writer(const std::string& path, int width, int height, const std::string& colour_space)
