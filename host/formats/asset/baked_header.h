@@ -41,8 +41,8 @@ struct BakedPart {
 std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
                                             const BakedWriteOptions& options);
 
-/// Reads everything except pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
-/// what was expected.
+/// Reads everything except pixels from the first part's header. Throws Error(kInput), which names `path`, what was
+/// found and what was expected.
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path);
 /// Reads the header of a file that must have one representation.
 BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);

@@ -21,7 +21,7 @@ namespace multum {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class BakedReader {
  public:
-  /// Throws Error(kInput) naming the file. Decompresses with `threads` threads; 0 means one per core.
+  /// Throws Error(kInput), which names the file. Decompresses with `threads` threads; 0 means one per core.
   BakedReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse);
 
   const std::string& path() const { return path_; }

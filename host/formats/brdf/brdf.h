@@ -20,8 +20,8 @@ struct Brdf {
   float exponent = 100.0f, sigma = 0.1f, roughness = 0.5f;
   glm::vec3 f0{0.04f};       // F at normal incidence
   int term_count = 4;        // number of vMFs in the sum that BrdfFit::kSum fits to f for shading lobes: 1..4
-  glm::vec3 diffuse{0.5f};   // k_d
-  glm::vec3 specular{0.1f};  // k_s
+  glm::vec3 diffuse{0.5f};   // the factor k_d
+  glm::vec3 specular{0.1f};  // the factor k_s
   // A constant that replaces F for surfaces whose v.h varies little (host/formats/brdf/fresnel.h). Used only for
   // lights, not for environments.
   std::optional<glm::vec3> fixed_fresnel = {};

@@ -22,7 +22,7 @@ struct ImageReadSettings {
 
 class ImageReader {
  public:
-  /// Opens PNG, JPEG, WebP, TIFF or OpenEXR (recognized by content, not by name). Throws Error(kInput) naming the
+  /// Opens PNG, JPEG, WebP, TIFF or OpenEXR (recognized by content, not by name). Throws Error(kInput), which names the
   /// file, what was found and what was expected.
   ImageReader(const std::string& path, const ImageReadSettings& settings);
   ~ImageReader();

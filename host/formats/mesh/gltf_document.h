@@ -24,8 +24,8 @@ constexpr std::uint64_t kModelBytesMax = (std::uint64_t{1} << 32) - 1;
 /// has 4 GiB or more.
 std::string read_model_file(const std::string& path);
 
-/// Reads a glTF file. Throws Error(kInput) naming the file if it is unreadable or damaged, has NUL in a string, or has
-/// an index beyond its array.
+/// Reads a glTF file. Throws Error(kInput), which names the file, if it is unreadable or damaged, has NUL in a string,
+/// or has an index beyond its array.
 GltfDocument read_gltf_document(const std::string& path);
 
 /// Returns the bytes of a buffer view, from the GLB, from a file next to it, or from a data URI. Throws Error(kInput).

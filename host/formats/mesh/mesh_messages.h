@@ -29,8 +29,8 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
 template <typename Meshes>
 std::size_t array_bytes(const Meshes& meshes);
 
-/// Copies the arrays from memory. Throws Error(kInput) naming the file if the values are not a valid mesh, because
-/// later code computes with them.
+/// Copies the arrays from memory. Throws Error(kInput), which names the file, if the values are not a valid mesh,
+/// because later code computes with them.
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 

@@ -75,7 +75,7 @@ void refuse_file(const std::string& path, const std::string& what) {
 }
 
 void fail_by_errno(const std::string& subject, const std::string& what) {
-  const int number = errno;  // because the calls below can change errno
+  const int number = errno;  // saved, because the calls below can change errno
   throw Error(errno_code(number), subject + ": " + what + ": " + errno_text(number));
 }
 

@@ -17,7 +17,7 @@ struct ShareName {
   int index = 1, count = 1;
 
   std::string path() const;
-  /// Returns advice such as ": --shard 3/8 makes it again".
+  /// Returns advice that names the share, such as ": --shard 3/8 makes it again".
   std::string remedy() const;
 };
 

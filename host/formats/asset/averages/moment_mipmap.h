@@ -70,7 +70,7 @@ float least_slope_deviation(StorageEncoding encoding);
 void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, const BakedWriteOptions& options,
                          Progress* progress = nullptr);
 
-/// Reads a baked file of moments. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads a baked file of moments. Throws Error(kInput), which names the file, what was found and what was expected.
 /// Decompresses with `threads` threads; 0 means one per core.
 MomentMipmap read_moment_mipmap(const std::string& path, int threads = 0);
 

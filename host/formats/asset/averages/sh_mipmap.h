@@ -55,7 +55,7 @@ double sh_power_tolerance(StorageEncoding encoding);
 void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const BakedWriteOptions& options,
                      Progress* progress = nullptr);
 
-/// Reads a baked file of spherical harmonics. Throws Error(kInput) naming the file, what was found and what was
+/// Reads a baked file of spherical harmonics. Throws Error(kInput), which names the file, what was found and what was
 /// expected. Decompresses with `threads` threads; 0 means one per core.
 ShMipmap read_sh_mipmap(const std::string& path, int threads = 0);
 

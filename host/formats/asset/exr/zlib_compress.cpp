@@ -47,7 +47,7 @@ std::size_t compress_quickly(const Bytef* source, uLong source_size, Bytef* dest
   constexpr uLong kFirstBytes = 4;
   static thread_local std::vector<unsigned char> working(ISAL_DEF_LVL1_DEFAULT);
   isal_zstream stream{};
-  isal_deflate_init(&stream);  // because isal_deflate_stateless_init leaves hist_bits (the window) uninitialized
+  isal_deflate_init(&stream);  // used because isal_deflate_stateless_init leaves hist_bits (the window) uninitialized
   stream.level = 1;
   stream.level_buf = working.data();
   stream.level_buf_size = static_cast<std::uint32_t>(working.size());

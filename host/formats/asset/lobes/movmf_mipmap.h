@@ -74,7 +74,7 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress = nullptr);
 
-/// Reads a baked file of lobes. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads a baked file of lobes. Throws Error(kInput), which names the file, what was found and what was expected.
 /// Decompresses with `threads` threads; 0 means one per core.
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 

@@ -13,7 +13,7 @@ namespace multum {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class MovmfReader {
  public:
-  /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
+  /// Opens the file and checks its structure. Throws Error(kInput), which names the file, what was found and what was
   /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit MovmfReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MovmfReader();

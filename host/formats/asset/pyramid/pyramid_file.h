@@ -71,8 +71,8 @@ class PyramidWriter {
 /// Returns whether the header says that the file is a pyramid. Throws Error(kInput) if the file is not an EXR file.
 bool is_pyramid_file(const std::string& path);
 
-/// Reads a pyramid of any kind. Throws Error(kInput) naming the file, what was found and what was expected. Rejects
-/// texels that are not finite.
+/// Reads a pyramid of any kind. Throws Error(kInput), which names the file, what was found and what was expected.
+/// Rejects texels that are not finite.
 Pyramid read_pyramid(const std::string& path);
 /// Reads a pyramid that must be of one kind.
 Pyramid read_pyramid(const std::string& path, PyramidKind expected);

@@ -58,7 +58,7 @@ std::string lobe_texture_text(const LobeTextureHeader& header);
 /// Returns whether the file is a KTX2 file. Returns false if the file cannot be read.
 bool is_ktx2_file(const std::string& path);
 
-/// Read only the header, or the whole file. Both throw Error(kInput) naming the file, what was found and what was
+/// Read only the header, or the whole file. Both throw Error(kInput), which names the file, what was found and what was
 /// expected.
 LobeTextureHeader read_lobe_texture_header(const std::string& path);
 LobeTexture read_lobe_texture(const std::string& path);

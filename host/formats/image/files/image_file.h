@@ -80,7 +80,8 @@ class ImageFile {
   ImageDescription description_;
 };
 
-/// Throws Error(kInput) naming the file if it is missing, damaged, of another format, or takes too long to decode.
+/// Throws Error(kInput), which names the file, if it is missing, damaged or of another format, or if it takes too long
+/// to decode.
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings);
 
 /// Sets how open_image_file() opens files in the whole process. The default is a child with DecodingChild's defaults.

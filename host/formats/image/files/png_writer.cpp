@@ -81,7 +81,7 @@ class PngFile {
                  format_.bits, colour_type(format_.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png, format_.compression_level);
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);  // as OpenImageIO writes
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);  // same as OpenImageIO
     if (format_.colour_space == "sRGB") png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_ABSOLUTE);
     if (format_.colour_space == "Linear") png_set_gAMA(png, info, 1.0);
     png_write_info(png, info);

@@ -20,7 +20,7 @@ namespace multum {
 /// metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
-/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.
+/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres" and so on. Empty for kGrey.
 std::string height_coding_name(HeightCoding coding);
 
 struct HeightReading {

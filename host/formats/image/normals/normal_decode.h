@@ -29,10 +29,10 @@ struct VectorEncoding {
 /// surface stays unchanged, and every 8-bit normal below the surface is lifted.
 constexpr double kHorizonZ = 1.0 / 512.0;
 
-/// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0: 127 and 128 are -+0.0039. Tools write either code for
-/// 0, so 127.5 is the unbiased choice. (Among the measured lossless maps, the mean slopes suggest 127 for four maps and
-/// 128 for two; all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all maps, and up
-/// to half of a map's texels are flat. Such a texel is read as exactly flat instead of tilted by 0.3 degrees.
+/// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0, because 127 and 128 are -+0.0039. Tools write either
+/// code for 0, so 127.5 is the unbiased choice. (Among the measured lossless maps, the mean slopes suggest 127 for four
+/// maps and 128 for two; all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all maps,
+/// and up to half of a map's texels are flat. Such a texel is read as exactly flat instead of tilted by 0.3 degrees.
 inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g, float b) {
   glm::dvec3 v(r, g, b);
   if (!encoding.is_signed)

@@ -44,7 +44,7 @@ SeamStep step_of(const Sum& border, const std::vector<Sum>& inside) {
 
 struct SeamSums {
   std::size_t width, channel_count;
-  std::vector<Sum> columns, rows;  // steps inside
+  std::vector<Sum> columns, rows;  // steps inside the map
   Sum column_border, row_border;
 
   SeamSums(std::size_t map_width, std::size_t count) : width(map_width), channel_count(count), columns(map_width - 1) {}

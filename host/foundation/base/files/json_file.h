@@ -19,8 +19,8 @@ namespace multum {
 /// holds NUL (refuse_nul()).
 std::optional<std::string> json_of_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
-/// Throws Error(kInput), naming `path`, if a string or a key holds NUL (\u0000). System functions end names at NUL, so
-/// two parts of a program would see two different names. `json` need not be valid.
+/// Throws Error(kInput), which names `path`, if a string or a key holds NUL (\u0000). System functions end names at
+/// NUL, so two parts of a program would see two different names. `json` need not be valid.
 void refuse_nul(std::string_view json, const std::string& path);
 bool holds_nul(std::string_view json);
 
