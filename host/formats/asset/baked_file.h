@@ -57,7 +57,7 @@ struct BakedHeader {
   int format_version() const;
 };
 
-/// Treatment of texels with wrong checksums: kRefuse throws, kReport lists the places of the texels for `multum
+/// Treatment of texels with wrong checksums. kRefuse throws, and kReport lists the places of the texels for `multum
 /// verify`.
 enum class TexelCheck { kRefuse, kReport };
 

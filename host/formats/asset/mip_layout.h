@@ -33,8 +33,9 @@ struct MipLayout {
     while (levels[static_cast<std::size_t>(l)].offset > texel) --l;
     return l;
   }
-  /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest. The parent
-  /// is the texel above in the next coarser level; the last texel of an odd side has the same parent as its neighbour.
+  /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest. The parent is
+  /// the texel of the next coarser level that contains the texel. The last texel of an odd side has the same parent as
+  /// its neighbour.
   template <typename Visit>
   void for_each_child(std::size_t level, const Visit& visit) const {
     const MipLevelPlace &fine = levels[level], &coarse = levels[level + 1];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the representations of normals that a baked file can hold. Code uses this table instead of tests for single
-// representations. A new representation needs a name (host/foundation/parameters/parameter_choices.h), a row
+// Lists the representations of normals that a baked file can hold. Code should use this table instead of testing for
+// particular representations. A new representation needs a name (host/foundation/parameters/parameter_choices.h), a row
 // here, and a row in each other table: bakes (host/bakes/bake/ndf_bake.cpp), estimates
 // (host/bakes/scene/map_planner.cpp), `multum info` (tools/multum/file_commands.cpp) and the viewer
 // (tools/multum_view/baked_map.cpp).

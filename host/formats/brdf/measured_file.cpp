@@ -26,7 +26,7 @@ constexpr std::uintmax_t kTextBytesMax = std::uintmax_t{256} << 20;
 
 // ---- text files ----
 
-// CIE 1931 colour matching by sums of lobes (Wyman, Sloan and Shirley 2013).
+// The CIE 1931 colour matching functions as sums of lobes (Wyman, Sloan and Shirley 2013).
 double lobe(double x, double mean, double below, double above) {
   const double t = (x - mean) * (x < mean ? below : above);
   return std::exp(-0.5 * t * t);

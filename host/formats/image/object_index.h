@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads object-index images, whose grey values are the indices of the objects that pixels show; 0 means no object.
+// Reads object-index images. Their grey values are the indices of the objects that pixels show; 0 means no object.
 #pragma once
 
 #include <string>

@@ -26,7 +26,7 @@ void for_each_texel(const EnvironmentMap& map, const Use& use) {
 std::vector<double> harmonics(const glm::dvec3& d, int order) {
   const auto index = [](int l, int m) { return static_cast<std::size_t>(l * (l + 1) + m); };
   std::vector<double> y(index(order, order) + 1);
-  double cosine = 1.0, sine = 0.0;                       // sin^m theta (cos, sin)(m phi)
+  double cosine = 1.0, sine = 0.0;                       // sin^m theta times (cos, sin)(m phi)
   double diagonal = std::sqrt(0.25 / std::numbers::pi);  // K_mm P_mm / sin^m
   for (int m = 0; m <= order; ++m) {
     if (m > 0) {

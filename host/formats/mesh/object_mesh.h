@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of a scene file by name, each in its own space, for ray-traced animations.
+// Objects of a scene file by name, for ray-traced animations. Each object has its own space.
 #pragma once
 
 #include <cstdint>

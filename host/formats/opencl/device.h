@@ -168,7 +168,8 @@ class Device {
   /// Starts to build these programs in parallel, in this order, except for cached ones. kernel() waits for the program
   /// that it needs. Does nothing without a cache folder (program_cache.h).
   void prepare(const std::vector<ProgramChoice>& programs);
-  /// Returns a kernel of kernels/FILE.cl, built with the variant's options or loaded from the program cache.
+  /// Returns a kernel of kernels/FILE.cl. Its program is built with the variant's options or loaded from the program
+  /// cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
   /// Edits the sources of programs that are built from now on. An empty list ends the edits. Existing kernels stay

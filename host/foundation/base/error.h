@@ -35,7 +35,8 @@ class Cancelled : public std::exception {
   const char* what() const noexcept override { return "cancelled"; }
 };
 
-/// Returns the exit code of a program that ends with this error: usage 2, input 3, environment 4, verification 5.
+/// Returns the exit code of a program that ends with this error: 2 for usage, 3 for input, 4 for the environment, 5 for
+/// verification.
 int exit_code(ErrorCode code);
 
 /// Runs `body`. Maps every exception to a message on stderr ("PROGRAM: message") and an exit code (130 for Cancelled).

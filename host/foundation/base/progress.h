@@ -52,8 +52,8 @@ inline void progress_finish(Progress* p) {
   if (p != nullptr) p->finish();
 }
 
-/// Returns a Progress for a part of a longer call that counts its own units. The result only passes cancellation on.
-/// `progress` must outlive it.
+/// Returns a Progress for a part of a longer call. The longer call counts its own units, so the result only passes
+/// cancellation on. `progress` must outlive it.
 inline Progress cancel_only(Progress* progress) {
   return Progress([progress](const ProgressEvent&) {
     progress_advance(progress, 0);

@@ -22,7 +22,7 @@ struct WorkShard {
   }
 };
 
-/// Parses "3/8", or "3-5/8" for shares 3, 4 and 5. Throws Error(kUsage) that names `option`.
+/// Parses "3/8", or "3-5/8" for shares 3, 4 and 5. Throws Error(kUsage), which names `option`.
 WorkShard parse_work_shard(const std::string& option, const std::string& text);
 
 /// Largest number of shares in one merge.

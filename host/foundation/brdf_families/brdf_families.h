@@ -35,7 +35,7 @@ enum class BrdfFit {
 
 struct BrdfFamily {
   BrdfKind kind;
-  std::string_view name;  // "ggx"
+  std::string_view name;  // name, such as "ggx"
   /// The width of f, and F0 if F is Schlick's term. The width has no default; F0 has the default of struct Brdf. Empty
   /// if the family is only a name or a file.
   std::span<const BrdfMember> members = {};

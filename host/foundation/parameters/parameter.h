@@ -19,7 +19,7 @@ enum class ParameterKind {
   kNumber,   // a finite number in [low, high]
   kChoice,   // one of `choices`
   kText,     // any text; the service rejects control characters
-  kBrdf,     // such as "blinn-phong:100"; except in the service, also the file of a measured BRDF
+  kBrdf,     // a BRDF, such as "blinn-phong:100"; except in the service, also the file of a measured BRDF
   kFile,     // path of a file to read, or FILE:CHANNEL if `unit` says so
   kBytes,    // a size in [low, high]; a command line may add a unit, as in 800M
 };

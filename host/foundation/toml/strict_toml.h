@@ -26,7 +26,7 @@ toml::table parse_toml(const std::string& path, const std::string& expected, con
 struct NumberRange {
   double low = 0.0, high = 0.0;
   bool low_open = false, high_open = false;  // true if the end itself is outside the range
-  std::string text;                          // "a number above 0"
+  std::string text;                          // description, such as "a number above 0"
 };
 
 inline const NumberRange kAboveZero = {0.0, std::numeric_limits<double>::infinity(), true, true, "a number above 0"};

@@ -30,8 +30,8 @@ bool is_finite(const float* values, int count) {
   return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
 }
 
-// Returns how far a second moment is below the product of its means, beyond rounding. A covariance must also obey the
-// Cauchy-Schwarz inequality.
+// Returns by how much a second moment is too small for its means, beyond the tolerance for rounding. A covariance must
+// also obey the Cauchy-Schwarz inequality.
 double missing_variance(const SlopeMoments& m, double tolerance) {
   constexpr double kLeastStep = 6e-8;  // spacing of halfs near zero
   const auto room = [&](double moment) { return tolerance * std::abs(moment) + kLeastStep; };

@@ -33,7 +33,7 @@ ZonalCoefficients zonal_blinn_phong(int order, double s) {
 }
 
 ZonalCoefficients zonal_lambert(int order) {
-  ZonalCoefficients a = zonal_blinn_phong(order, 1.0);  // 1/pi max(t, 0)
+  ZonalCoefficients a = zonal_blinn_phong(order, 1.0);  // coefficients of 1/pi max(t, 0)
   for (double& value : a) value *= M_PI;
   return a;
 }

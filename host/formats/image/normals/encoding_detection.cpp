@@ -285,13 +285,13 @@ bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) 
   return s.texel_count > 0.0 && !two_channel_refusal(s) && std::abs(s.gradient_agreement) >= 0.25;
 }
 
-// Returns the doubt whether blue is the z of red and green. LabPBR packs, for example, store another map in blue
+// Returns how doubtful it is that blue is the z of red and green. LabPBR packs, for example, store another map in blue
 // (occlusion, smoothness, height). Lengths then scatter at every scale, and the tilt explains little of blue. Three
 // values were measured: the share of unit lengths, the dependence of z on the tilt, and the spread of lengths of 4 x 4
-// texels. 12 lossy maps have 0.23 to 0.75, 0.11 to 0.86, and 0.02 to 0.11. From 25 real maps, 109 maps were made with
-// occlusion, gloss or height in blue. Half of them have a dependence below 0.26 and a spread above 0.11. An occlusion
-// computed from the same surface depends on the tilt by up to 0.8, as in some antialiased maps; such maps get a
-// warning. `turn` is the difference of the two readings in degrees rms. If it is small, there is no doubt.
+// texels. In 12 lossy maps, these are 0.23 to 0.75, 0.11 to 0.86, and 0.02 to 0.11. From 25 real maps, 109 maps were
+// made with occlusion, gloss or height in blue. Half of them have a dependence below 0.26 and a spread above 0.11. An
+// occlusion computed from the same surface depends on the tilt by up to 0.8, as in some antialiased maps; such maps get
+// a warning. `turn` is the difference of the two readings in degrees rms. If it is small, there is no doubt.
 enum class BlueDoubt { kNone, kWarned, kRefused };
 BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;

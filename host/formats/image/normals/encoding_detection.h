@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Detects the meaning of an image's values from their statistics: height field or normal map, signed or 0..1, two or
-// three channels, green up or down. The answer includes its reason. A file that is neither is rejected with the reason.
+// three channels, green up or down. The answer includes its reason. A file that is neither a height field nor a normal
+// map is rejected, and the message gives the reason.
 #pragma once
 
 #include <functional>

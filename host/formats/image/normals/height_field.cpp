@@ -61,8 +61,8 @@ constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // slopes of expected surfa
 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 
-// Warns about odd slopes. They show that the height scale is wrong, which the file does not hold, or that a grey image
-// is not a height field.
+// Warns about odd slopes. The height scale, which the file does not hold, may be wrong, or a grey image may not be a
+// height field.
 void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, double slope_rms,
                     const NormalMapSettings& settings) {
   const bool is_scale_said = settings.height_scale != 1.0f;  // users never set the default explicitly

@@ -169,7 +169,7 @@ void ExrChunks::read_headers() {
   const auto end_part = [&] {
     const bool is_tiled = is_multi_part_ ? draft.type == "tiledimage" : (version & kTiledFlag) != 0;
     parts_.push_back(finished_part(path_, std::exchange(draft, {}), is_tiled));
-    ++end;  // the empty name
+    ++end;  // skips the empty name
   };
   walk_exr_headers(path_, file_, visit, end_part);
   if (parts_.empty()) refuse_file(path_, "damaged EXR: no header");

@@ -144,7 +144,7 @@ const char* unpack_exr(int compression, const unsigned char* packed, std::size_t
 }
 
 bool may_unpack_exr(int compression, std::size_t packed_size, std::size_t size) {
-  // The largest expansion. RLE packs a run of 128 bytes into two, and deflate packs 258 bytes into 2 bits.
+  // The largest expansion: RLE packs a run of 128 bytes into two, and deflate packs 258 bytes into 2 bits.
   const std::size_t most = compression == exr_compression::kRle ? 64 : 1032;
   return packed_size >= size ||
          (can_unpack_exr(compression) && compression != exr_compression::kNone ? size / most <= packed_size
