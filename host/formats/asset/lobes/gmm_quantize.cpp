@@ -101,8 +101,8 @@ glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened) {
 }
 
 float gmm_kappa_max(StorageEncoding encoding) {
-  // At this kappa, half a step of the third value changes 2 sigma^2 by a quarter. A step of snorm16 is 1/32767. A step
-  // of halfs is 1/2048 near the rim, where the third value is near 1, and smaller elsewhere.
+  // At these kappas, half a step of the third value changes 2 sigma^2 by a quarter. A step of snorm16 is 1/32767. A
+  // step of halfs is 1/2048 near the rim, where the third value is near 1, and smaller elsewhere.
   // GmmQuantizeTest.KeepsVariance measures this.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 30000.0f;
