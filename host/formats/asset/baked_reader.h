@@ -31,8 +31,8 @@ class BakedReader {
   /// decompressed twice.
   int tile_size() const { return tile_size_; }
 
-  /// Sets the contents of the file, according to its header. Call it once, before reading rows. Throws Error(kInput) if
-  /// the parts differ, or if a tile is misplaced or cut short.
+  /// Sets the contents that the file must have according to its header. Call it once, before reading rows. Throws
+  /// Error(kInput) if the parts differ, or if a tile is misplaced or cut short.
   void expect(const BakedHeader& header, std::vector<BakedPart> parts);
   /// Reads some rows of a level of a part as interleaved floats. Writes every value, or throws Error(kInput), which
   /// names the tile that cannot be unpacked or the row of tiles whose checksum differs. A file of an older program has

@@ -65,8 +65,8 @@ constexpr double kMirrorShareMax = 0.1;
 /// The same limit for a file whose name agrees with its use. It is higher, because polished surfaces exist. In
 /// pc_seaside-rocks01-gloss.jpg, the only gloss map of shared/data, 48 % of the texels are below kMirrorRoughness.
 constexpr double kMirrorShareMaxNamed = 0.75;
-/// The largest share of texels with roughness 1 in a gloss map. The gloss map of shared/data has 0 %, and three
-/// specular maps have 15 to 32 %.
+/// The largest share of texels with roughness 1 that a gloss map may have. The gloss map of shared/data has 0 %, and
+/// three specular maps have 15 to 32 %.
 constexpr double kDullShareMax = 0.1;
 /// The channels of a picture differ, but are correlated, whereas occlusion, roughness and metalness have little in
 /// common. In six colour maps of shared/data, the lowest correlation of green with red and blue is 0.84 to 0.99; in its

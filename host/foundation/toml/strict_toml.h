@@ -48,8 +48,8 @@ class StrictTable {
 
   /// Returns the key's value, or `fallback` if the key is missing. Without a fallback, the key is required.
   std::string text(const std::string& key, const std::optional<std::string>& fallback = {}) const;
-  /// Returns the path that the text encodes (host/foundation/base/path_text.h), because TOML is UTF-8, but file names
-  /// may not be.
+  /// Returns the path that the text encodes (host/foundation/base/path_text.h). TOML is UTF-8, but file names may not
+  /// be.
   std::string path(const std::string& key, const std::optional<std::string>& fallback = {}) const;
   bool boolean(const std::string& key, bool fallback) const;
   int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;

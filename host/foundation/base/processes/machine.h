@@ -21,8 +21,8 @@ std::string own_folder();
 std::uint64_t machine_memory_bytes();
 
 /// Returns the number of threads that can run at once, at least 1. This is the number of processors that this process
-/// may use (its affinity, which a container's cpuset also limits). A lower quota of processor time of a container,
-/// rounded up, replaces it. The number is determined at the first call.
+/// may use (its affinity, which a container's cpuset also limits). If a container has a lower quota of processor time,
+/// it is this quota, rounded up. The number is determined at the first call.
 int processor_count();
 /// Like processor_count(), but computes the number again, with these limits of a container.
 int processor_count(const ContainerLimits& limits);
