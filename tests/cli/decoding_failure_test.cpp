@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 class DecodingFailureTest : public CliTest {
  protected:
   // Installs the programs in a folder of their own. There multum-decode is failing_helper, which fails in the way that
-  // its
-  // file name says (tests/unit/foundation/sandbox/failing_helper.cpp). Empty `decoder`: no multum-decode.
+  // its file name says (tests/unit/foundation/sandbox/failing_helper.cpp). If `decoder` is empty, multum-decode is
+  // missing.
   void install(const std::string& decoder) {
     fs::remove_all(path("bin"));
     fs::create_directories(path("bin"));

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// By area: one text per finding, with its state, what was found and the advice.
+// Texts by area, one per finding, with its state, what was found and the advice.
 using Findings = std::map<std::string, std::vector<std::string>>;
 
 Findings findings_of(const std::string& out) {

@@ -32,7 +32,7 @@ class PyramidCommandTest : public CliTest {
   void write(const std::string& name, const TestImage& image) const { write_test_image(path(name), image); }
 };
 
-// OpenImageIO reads every level, linear, with the wrap modes. The last texel is the mean in linear light.
+// OpenImageIO reads the linear values of every level, and the wrap modes. The last texel is the mean in linear light.
 TEST_F(PyramidCommandTest, OpenImageIoReadsTheLevels) {
   write("a.png", ramp());
   const ProgramResult result =

@@ -8,7 +8,7 @@
 namespace multum::testing {
 namespace {
 
-// ESC, and a C1 character as UTF-8 and as one byte, which 8-bit terminals read as ESC [.
+// The name has ESC, and a C1 character as UTF-8 and as one byte; 8-bit terminals read this character as ESC [.
 const std::string kName =
     "q\x1b[31m\xc2\x9b"
     "2J\x9b"

@@ -34,7 +34,7 @@ std::string exr(std::uint32_t version, const std::string& attributes) {
 
 }  // namespace
 
-// Containers without a picture: no library decodes them.
+// These containers have no picture, and no library decodes them.
 std::vector<std::string> fuzz::seeds() {
   using namespace std::string_literals;
   const std::string png = "\x89PNG\r\n\x1a\n"s + chunk("IHDR", big_endian(8) + big_endian(4) + "\x8\2\0\0\0"s) +

@@ -20,7 +20,8 @@ namespace multum::fuzz {
 /// byte chooses the reader.
 std::vector<std::string> seeds();
 
-/// Writes the input to a file, in memory if possible, with the same path each time. `name`: such as "input.gltf".
+/// Writes the input to a file, in memory if possible, with the same path each time. An example of `name` is
+/// "input.gltf".
 std::string input_file(const char* name, std::string_view bytes);
 /// Returns the contents of a file that a seed's writer has made.
 std::string file_bytes(const std::string& path);

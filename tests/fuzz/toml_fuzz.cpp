@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of files that people write: manifests of bakes, jobs of texture inference, scenes; and of files that a
-// killed bake leaves. kReaders has a row for each reader.
+// Fuzzes readers of files that people write (manifests of bakes, jobs of texture inference, scenes), and of files that
+// a killed bake leaves. kReaders has a row for each reader.
 #include <filesystem>
 #include <fstream>
 #include <functional>

@@ -68,7 +68,7 @@ std::string terms_expression(const std::vector<VmfTerm>& terms) {
   return "vec4(" + sum + ")";
 }
 
-// The project's own bound: error within 5 % for alpha 0.05 to 0.4, kappa 3 to 2000 and at most four terms.
+// The project's own bound is an error of 5 % for alpha 0.05 to 0.4, kappa 3 to 2000 and at most four terms.
 TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   double worst[kBrdfTermCountMax] = {};
   for (const double alpha : {0.05, 0.1, 0.2, 0.3, 0.4}) {

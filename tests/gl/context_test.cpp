@@ -46,7 +46,7 @@ TEST_P(ContextTest, ExtensionsAreWholeNames) {
   EXPECT_FALSE(has_gl_extension(context->functions(), "GL_EXT_texture_filter"));
 }
 
-// With debug output a driver waits for each call, so that timings grow.
+// With debug output a driver waits for each call, so everything takes longer.
 TEST_P(ContextTest, DebugOutputIsOnOnlyWhereItIsWanted) {
   for (const DebugOutput debug : {DebugOutput::kOff, DebugOutput::kOn}) {
     const auto context = make_headless_context(GetParam(), debug);

@@ -179,7 +179,8 @@ TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
       const glm::dvec3 light(input.b[i]);
       const double exact = GgxOverLobe(glm::dvec4(input.a[i]), static_cast<double>(alpha))
                                .specular(light, view, glm::normalize(light + view));
-      // The filter's eight bits again, and float: |r| is known to 1e-7, one thousandth of the smallest spread here.
+      // The tolerance covers the filter's eight bits again, and the rounding of |r| to floats: 1e-7 is one thousandth
+      // of the smallest spread here.
       ASSERT_NEAR(values[i], exact, 0.03 * exact + 1e-5) << i << ", roughness " << roughness;
     }
   }

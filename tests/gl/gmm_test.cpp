@@ -70,9 +70,10 @@ TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   }
 }
 
-// Compares Fresnel, shadowing and Lambert without a highlight with lobes, which have both, and with the reference. With
-// 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error). A Gaussian is not exactly the shape of
-// Torrance and Sparrow's facets: 2.1 % of their error, on a flat map too (AFlatMapIsNearTheReference).
+// Compares pictures of Gaussians with those of lobes and with the reference, for BRDFs with Fresnel and shadowing and
+// for Lambert's without a highlight. With 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error). A
+// Gaussian is not exactly the shape of Torrance and Sparrow's facets, which causes an error of 2.1 %, even on a flat
+// map (AFlatMapIsNearTheReference).
 TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();

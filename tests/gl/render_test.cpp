@@ -325,14 +325,14 @@ TEST_P(RenderTest, WrapModesEqualReference) {
     EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must give different pictures";
 }
 
-// Diffuse light on mild slopes is linear in the mean normal. Hence a lobe that the hardware mixed from two levels
-// equals a mix of two shaded lobes; only wrong weights or a wrong level would show.
+// Diffuse light on mild slopes is linear in the mean normal. Hence shading a lobe that the hardware mixed from two
+// levels equals mixing two shaded lobes. Only wrong weights or a wrong level would show.
 TEST_P(RenderTest, TheNormalMapsLevelsMixWithTheLobesAsTrilinearFilteringMixes) {
   const TestMap map = make_noise_map(64, 0.4f, WrapMode::kPeriodic);
   RenderScene scene = plain_scene();
   scene.uv_scale = 350.0f;  // never magnified: a magnified normal map is narrower
   const FloatImage whole = movmf(map, scene);
-  // A control that the picture can show an error: levels that are too coarse by one.
+  // As a control that the picture can show an error, levels are too coarse by one.
   TestMap blurred = map;
   for (glm::vec4& lobe : blurred.mipmap.levels[0].lobes[0]) lobe = glm::vec4(0.0f, 0.0f, 0.95f, 1.0f);
   EXPECT_GT(picture_error(movmf(blurred, scene), whole).relative_l1, 0.002);
@@ -379,7 +379,7 @@ TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   look_from_above(scene, 1.6, 16, kRenderHeight);
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
-  scene.uv_scale *= 2.0f;  // from half as high
+  scene.uv_scale *= 2.0f;  // from half the height
   const FloatImage whole = movmf(map, scene), coarse = movmf_from(1, map, scene);
   EXPECT_EQ(coarse.rgba[4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth * 3 / 4)], 0.0f);
   EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);

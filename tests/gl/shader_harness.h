@@ -18,9 +18,9 @@ namespace multum::gl {
 struct ShaderHarnessInput {
   std::string expression;               // a vec4 of the vec4s a and b; may call functions of common/ and brdf/
   std::vector<glm::vec4> a;             // at most 16384 elements
-  std::vector<glm::vec4> b;             // as many
+  std::vector<glm::vec4> b;             // as many elements as `a`
   const Texture* texture = nullptr;     // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};   // of kGlslFormulas: remove a guard
+  std::vector<SourceEdit> edits = {};   // edits of kGlslFormulas that remove a guard
   std::vector<std::string> flags = {};  // #define lines
   std::string formulas = {};            // more shader text, which may read `map`
   std::function<void(const ShaderProgram& program)> set_uniforms = {};  // also binds textures, from unit 3 on

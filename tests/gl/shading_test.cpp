@@ -74,8 +74,8 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
       const std::vector<double> values = evaluate("multum_movmf_blinn_phong(a, b.xyz, b.w)", cases);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double expected = reference::product_blinn_phong(s, spread, cases[i].theta);
-        // The inverse's 2.3e-4 counts twice (scale, exponent); spread = a - |a r| is rounded to 1e-7, compared with
-        // 1/(s+2).
+        // The inverse's error of 2.3e-4 counts twice, in scale and exponent. The spread a - |a r| is rounded to 1e-7,
+        // which matters compared with 1/(s+2).
         EXPECT_NEAR(values[i], expected, peak * (6e-4 + 4e-7 * (s + 2.0)))
             << "s " << s << " spread " << spread << " theta " << cases[i].theta;
       }
@@ -92,7 +92,7 @@ TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
     const double s = static_cast<double>(input.b[i].x);
     const double e = static_cast<double>(input.b[i].y);
     const double expected = (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e));
-    // The argument of exp() is up to 6 and rounded; the plain log(1 - e) has an error of 6e-3 at s = 1e5.
+    // The argument of exp() is up to 6 and rounded. A plain log(1 - e) would have an error of 6e-3 at s = 1e5.
     EXPECT_NEAR(static_cast<double>(values[i].x) / expected, 1.0, 1e-5) << "s " << s << " e " << e;
   }
 }

@@ -57,7 +57,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(leaning[1], mixed(45, 45));
   expect_near(leaning[2], mixed(45, 45));
   expect_near(leaning[4], glm::vec4(second, 0, 1));
-  // A sharper corner counts for less: b moved far out along x, with u still x.
+  // A sharper corner counts for less. Here b is moved far out along x, and u is still x.
   const Corner far{{2, 0, 0}, {2, 0}};
   const std::vector<glm::vec4> weighed = mikk_tangents(flat({a, far, c, far, e, c}));
   // far: first triangle between (-2, 0) and (-2, 1), second between (-1, 1) and (-2, 1).

@@ -8,7 +8,7 @@
 
 namespace multum::gl {
 
-/// Makes a square of side `size` that faces +Z; its near edge is along X through the origin. uv 0 to 1.
+/// Makes a square of side `size` that faces +Z; its near edge is along X through the origin. Its uv go from 0 to 1.
 MeshData make_quad(float size);
 
 struct TestMap {
@@ -16,13 +16,13 @@ struct TestMap {
   MovmfMipmap mipmap;
 };
 
-/// Every normal (0, 0, 1): one lobe of |r| = 1.
+/// Every normal is (0, 0, 1), which gives one lobe of |r| = 1.
 TestMap make_flat_map(int size);
 
 /// One lobe per texel, from unit normals with a box filter. The sides are equal powers of two.
 TestMap make_one_lobe_map(NormalImage image);
 
-/// Random normals, at most `slope` steep along each axis. One lobe. `size` is a power of two.
+/// Random normals with slopes of at most `slope` along each axis. One lobe. `size` is a power of two.
 TestMap make_noise_map(int size, float slope, WrapMode wrap);
 
 /// One wave along each axis, 0 at the borders: smooth under every wrap mode, but a different map if mirrored. One lobe.

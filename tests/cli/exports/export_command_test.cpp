@@ -97,7 +97,7 @@ TEST_F(ExportCommandTest, CarriesMapsOfTheMaterial) {
   EXPECT_EQ(level("orm_00.exr").at(0, 0, 0), 1.0f);
 }
 
-// One way to store a material, with the formats of its textures.
+// A way to store a material, with the formats of its textures.
 struct Stored {
   std::vector<std::string> options;
   bool has_zstd;
@@ -364,7 +364,7 @@ TEST_F(ExportCommandTest, TakesABakedFile) {
   EXPECT_EQ(reports["map"]["accuracy"]["names"]["baked"], "4 baked lobes");
 }
 
-// The page has all ways to filter, with pictures and numbers. Lobes have the lowest error and the least flicker.
+// The page has all ways to filter, with pictures and numbers. Lobes have the lowest error and flicker least.
 TEST_F(ExportCommandTest, WritesAPage) {
   make_map("big", 128);
   const ProgramResult result = multum({"export", path("big_normal.png"), "-o", path("out"), "--base-roughness", "0.3",

@@ -66,7 +66,7 @@ TEST_F(ExportEnginesTest, GreenDownIsTheOtherWayRoundInImages) {
     expect_done("up_" + format, {"--format", format, "--anisotropy"});
     expect_done("down_" + format, {"--format", format, "--anisotropy", "--write-green", "down"});
     expect_done("said_" + format, {"--format", format, "--anisotropy", "--write-green", "up"});
-    const float sum = format == "png" ? 1.0f : 0.0f;  // of a value and its negative
+    const float sum = format == "png" ? 1.0f : 0.0f;  // the sum of a value and its negative
     for (const std::string texture : {"normal", "anisotropy", "orm"})
       for (int l = 0; l < kLevels; ++l) {
         SCOPED_TRACE(texture + ", level " + std::to_string(l) + ", " + format);
@@ -197,7 +197,8 @@ TEST_F(ExportEnginesTest, WithoutAMetalnessMapNothingIsMetal) {
   }
 }
 
-// three.js hands the images' levels to a shader, within the loss of UASTC blocks; with and without Zstandard.
+// With and without Zstandard, the texels that three.js passes to a shader equal the images' levels, except for the loss
+// of UASTC blocks.
 TEST_F(ExportEnginesTest, ThreeReadsUastc) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_in_three.mjs", browser = chromium_path();
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";

@@ -104,7 +104,7 @@ class GltfLobesTest(FolderCase):
             self.assertEqual((found, layers), expected, arguments)
             storage = report["textures"][0]["storage"]["lobes"]
             points[storage["format"]] = storage["points"]
-        # The error that storing adds to a picture.
+        # Storing the lobes adds this error to a picture.
         self.assertLess(points["rgba8"], 0.5 * points["bc"])
         self.assertLess(points["rgba16f"], 0.1 * points["bc"])
         # Without an option, blocks are chosen unless their error is visible.

@@ -15,7 +15,7 @@ class Picture:
     kind: str  # "uint", "int" or "float"
     bits: int
     samples: list = field(repr=False)
-    colours: int = 0  # leading channels without alpha; 0: all
+    colours: int = 0  # number of leading channels without alpha; 0 for all
 
     def values(self):
         """Unsigned integers as 0..1, signed ones as -1..1, floats unchanged."""
