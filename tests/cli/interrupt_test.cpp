@@ -71,8 +71,7 @@ TEST_F(InterruptTest, Kill9LeavesNothingUnderTheFinalName) {
     const ProgramResult result = bake.wait();
     if (result.signal == SIGKILL && !std::filesystem::exists(path("out/map.ndf.exr"))) {
       ++killed;
-    } else {  // this run was faster than the first one, so the file is complete, even if the kill came while the run
-              // ended
+    } else {  // this run was faster than the first one, so the file is complete even after a late kill
       EXPECT_TRUE(result.signal == SIGKILL || result.exit_code == 0) << result.exit_code;
       EXPECT_TRUE(read_bytes(path("out/map.ndf.exr")) == finished) << "kill " << i;
     }

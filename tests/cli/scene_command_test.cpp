@@ -24,8 +24,7 @@ constexpr char kObject[] =
 constexpr char kSky[] = "[environment]\nfile = \"sky.exr\"\n";
 constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
 
-constexpr double kFarther = 16.0;  // at this distance coarser levels show; at the nearest distance the finest level is
-                                   // magnified
+constexpr double kFarther = 16.0;  // shows coarser levels; the nearest distance magnifies the finest level
 
 struct SceneCase {
   std::string name;

@@ -101,7 +101,7 @@ reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
 }
 
 // EM in float and EM in double converge to the same place; rounding moves each step by some 1e-6 of the lobe's width,
-// including sums of 1024 terms. An axis is less certain the rounder the lobe is.
+// including sums of 1024 terms. The rounder a lobe is, the less certain its axis is.
 constexpr double kTolerance = 2e-4;
 
 void expect_near_reference(const NormalMap& map, const Material* material, const OneLobeSettings& settings) {
@@ -269,7 +269,7 @@ TEST(OneLobe, IsTheLikeliest) {
   }
 }
 
-// In a map of grooves the axis is across them, where normals tilt, with one sign all over the map.
+// In a map of grooves, the axis is across the grooves, as normals tilt, with one sign all over the map.
 TEST(OneLobe, GroovesHaveOneAxis) {
   for (const double degrees : {0.0, 40.0, 90.0, 135.0}) {
     const double angle = degrees * M_PI / 180.0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Damages baked files and reads them with the decoder of multum look's page, without a browser. Findings are errors
-// that
-// do not say what was found and expected, NaN or infinite numbers, and files that take seconds.
+// that do not say what was found and expected, NaN or infinite numbers, and files that take seconds.
 //
 //   node look_damage_test.mjs BIN_FOLDER [RUNS] [SEED]
 import assert from "node:assert/strict";

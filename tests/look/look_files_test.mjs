@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked files on multum look's page: .ndf.exr files of every kind, decoded in the page's worker and drawn like the page
-// that multum look makes of the same file; pages of several maps; damaged and hostile files. Exit code 77: skipped.
+// Tests baked files on multum look's page: .ndf.exr files of every kind, pages of several maps, damaged and hostile
+// files. The page's worker decodes a file, and the drawing equals the page that multum look makes of the same file.
+// Exits with 77 (skipped) if something is missing.
 //
 //   node look_files_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -16,8 +17,8 @@ const { inFolder, run, complaints } = look;
 // A small window, because drawing a picture takes long on a processor.
 const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240, height: 600, ...more });
 mkdirSync(screenshots, { recursive: true });
-// In units of 1/255: multum look's page has lobes in BC5 and 8-bit normals; the decoded file has half
-// floats and full normals.
+// The limit is in units of 1/255. multum look's page has lobes in BC5 and 8-bit normals, whereas the decoded file has
+// half floats and full normals.
 const CLOSE = 8;
 const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
 const SAME_MOST = 0.5; // compared with lobes that are half floats there too
@@ -155,7 +156,7 @@ try {
     assert.equal(await dropped(other, "packed.ndf.exr"), "", compression);
     assert.equal(await texture(), hash, compression);
   }
-  // Half floats, floats and colours.
+  // Tests half floats, floats and colours.
   for (const words of [["-d", "half"], ["-d", "float"], ["--albedo", "map_albedo.png"]]) {
     bake("kind.ndf.exr", ...words, "--force");
     assert.equal(await dropped(other, "kind.ndf.exr"), "", words.join(" "));
@@ -195,7 +196,7 @@ try {
   const tableOf = (file) => file.lastIndexOf(Buffer.from("periodic,periodic\0\0", "latin1")) + 19;
   const tileOf = (file) => Number(file.readBigUInt64LE(tableOf(file)));
   const [tableAt, tileAt] = [tableOf(good), tileOf(good)];
-  // After the tile's head and a row of lobe values, which are half floats.
+  // This place is after the tile's head and a row of lobe values, which are half floats.
   const valuesAt = tileOf(plain) + 24 + 2 * 128;
   const bomb = deflateSync(Buffer.alloc(50e6));
   assert.equal(good.readInt32LE(tileAt), 0, "the first tile's part");

@@ -291,7 +291,7 @@ const steps = {
       return sides;
     };
     assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "a fast machine uses the finest images");
-    const slow = move(30, 40); // 490 ms at first: fewer than 3 frames per second
+    const slow = move(30, 40); // 490 ms at first, which is fewer than 3 frames per second
     assert.equal(slow.at(-1), 1);
     assert.ok(slow.indexOf(1) < 10, `${slow}`);
     assert.ok(Math.abs(quality.framesPerSecond - 25) < 1, `${quality.framesPerSecond}`);

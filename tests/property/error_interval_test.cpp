@@ -152,7 +152,8 @@ TEST(ErrorInterval, HoldsTheErrorOfAllTexels) {
   }
 }
 
-// With the sample count of every bake, level 1 of this map was once stated as 42.6 %, and is 60.9 % over all texels.
+// With the number of samples that every bake uses, the error of level 1 of this map was once stated as 42.6 %. Over all
+// texels it is 60.9 %.
 TEST(ErrorInterval, HoldsOnAThinMapWithTheBakesSamples) {
   const Baked baked = bake(thin_map(4097, 7, false));
   Coverage coverage(baked);

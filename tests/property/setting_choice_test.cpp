@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings are chosen by what a map needs; a mosaic is made from the map; and the interval of a measured error contains
-// the error of all texels.
+// Tests that settings are chosen by the needs of a map, that a mosaic is made from the map, and that the interval of a
+// measured error contains the error of all texels.
 #include "host/bakes/settings_search/setting_choice.h"
 
 #include <gtest/gtest.h>
@@ -191,9 +191,8 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   return maps;
 }
 
-// Returns the number of successes out of `count`, at 95 % each, that chance misses only once in 10,000 times: a
-// binomial
-// sum.
+// Returns a number of successes out of `count`, each with a probability of 95 %. By chance, fewer successes occur only
+// once in 10,000 times, by a binomial sum.
 int least_held(int count) {
   double below = 0.0;
   for (int held = 0; held < count; ++held) {

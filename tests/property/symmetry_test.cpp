@@ -184,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Layouts, SymmetryTest, ::testing::Range(0, 4));
 // snorm16 keeps a value to half a step of 1/32767, so sums of four lobes differ by up to four steps per channel.
 constexpr double kStep = 1.0 / 32767.0;
 constexpr double kMeanSteps = 4.0 * 1.7321;
-// Sums of up to 4096 floats in another order: three times the measured difference of these maps.
+// Sums of up to 4096 floats are added in another order. The bound is three times the measured difference of these maps.
 constexpr double kFloatMean = 2e-6;
 
 TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
@@ -209,9 +209,9 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// Bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them. The worst differences here: 45 % of
-// a level's error, on noise of 64 x 16, where a normal of level 1 goes entirely to one lobe or another; and 3.2 % of
-// the mean.
+// Bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them. The worst differences here are 45 %
+// of a level's error and 3.2 % of the mean. The 45 % occur on noise of 64 x 16, where a normal of level 1 goes entirely
+// to one lobe or another.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
 TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
@@ -234,7 +234,7 @@ TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
   }
 }
 
-// Averages prefer no direction: except for rounding, moments and harmonics have the same errors as before.
+// Averages prefer no direction. Except for rounding, moments and harmonics of the rearranged map have the same errors.
 TEST_P(SymmetryTest, AveragesErrAlike) {
   for (const auto& [name, map, halves] : cases()) {
     if (is_tiled(layout()) && !halves) continue;

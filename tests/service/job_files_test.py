@@ -76,7 +76,7 @@ class JobFilesTest(ClientCase):
             if moved == "sub":
                 os.remove(self.output("sub/a.ndf.exr"))
                 made("sub/a.ndf.exr", again=True)
-                os.remove(self.output("b.ndf.exr"))  # else the result would be copied from there
+                os.remove(self.output("b.ndf.exr"))  # otherwise the result would be copied from there
             target = os.path.join(elsewhere, os.path.basename(moved))
             shutil.move(self.output(moved), target)
             os.symlink(target, self.output(moved))
@@ -305,7 +305,8 @@ class JobFilesTest(ClientCase):
             json.dump(field, file)
         self.refused(400, "usage", ["secret.exr", self.results()], "POST", "/v1/jobs",
                      {"type": "pack", "parameters": {"manifest": manifest}, "output": self.output("a.mpt")})
-        # Scene files outside: an existing one, a missing one, and a device. The answer reveals nothing about them.
+        # These scene files are outside: an existing one, a missing one, and a device. The answer reveals nothing about
+        # them.
         field["objects"][0]["layers"] = []
         words = set()
         for geometry in (os.path.join(self.folder, "secret.exr"), os.path.join(self.folder, "nothing.exr"),
@@ -418,7 +419,7 @@ class JobFilesTest(ClientCase):
                 self.assertEqual((status, data.decode().strip()), (200, name))
                 sent = headers["Content-Disposition"]
                 self.assertTrue(sent.isascii() and sent.startswith("attachment; filename="), sent)
-                # By RFC 6266 the extended name comes before the plain one; both are safe.
+                # RFC 6266 prefers the extended name to the plain one; both are safe.
                 found = re.fullmatch(r'attachment; filename="([ -!#$&-\[\]-~]+)"'
                                      r"(?:; filename\*=UTF-8''([\w.%-]+))?", sent)
                 self.assertIsNotNone(found, sent)
@@ -456,8 +457,8 @@ class JobFilesTest(ClientCase):
                     self.assertEqual(archive.extractfile(name).read(), file.read(), name)
                 member = archive.getmember(name)
                 self.assertEqual(member.mtime, int(os.stat(path).st_mtime))
-                # tar's checksum: the sum of unsigned bytes, with the checksum field as blanks. Readers also accept
-                # signed bytes.
+                # The checksum of tar is the sum of unsigned bytes, with blanks in the checksum field. Readers also
+                # accept signed bytes.
                 head = data[member.offset_data - 512:member.offset_data]
                 self.assertEqual(int(head[148:154], 8), sum(head[:148] + b" " * 8 + head[156:]))
         listed = subprocess.run(["tar", "tf", "-"], input=data, capture_output=True, check=False,

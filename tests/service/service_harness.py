@@ -32,8 +32,8 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        # Without multum's program cache: PoCL has its own cache and compiles only launched kernels. A cached program of
-        # multum would have all of its kernels compiled.
+        # Runs without multum's program cache, because PoCL has its own cache and compiles only launched kernels. For
+        # multum's cache, all kernels of a program would be compiled.
         self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None

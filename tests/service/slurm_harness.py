@@ -107,7 +107,7 @@ class Slurm:
         self.config = os.path.join(folder, "slurm.conf")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(config)
-        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, else it ends
+        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, otherwise it ends
             with open(os.path.join(folder, "cgroup.conf"), "w", encoding="utf-8") as file:
                 file.write("CgroupPlugin=cgroup/v1\n")
         self.environment = {"SLURM_CONF": self.config, "PATH": PATH}

@@ -15,7 +15,7 @@ export function moved(view, { motion, step }) {
   throw new Error(`motion: found ${motion}, expected zoom, pan or turn`);
 }
 
-const EDGE = 3; // of 255: floors that differ more from their references are errors of edges
+const EDGE = 3; // in units of 1/255; where a floor differs more from its reference, there is an edge
 
 /**
  * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker`: the mean over

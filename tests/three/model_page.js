@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Page functions for model_pictures.mjs: three.js draws models, and the mean of many samples per pixel of one of them
-// without mips.
+// Page functions for model_pictures.mjs. three.js draws models, and, for one model without mips, the mean of many
+// samples per pixel.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
@@ -12,7 +12,7 @@ import { changes, moved } from "./model_motion.js";
 import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
-// Largest noise of the reference, which changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
+// The largest allowed noise of the reference. It changes an error by at most 1 %, because sqrt(1 + 0.14^2) = 1.01.
 const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
 const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });

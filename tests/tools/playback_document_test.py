@@ -215,7 +215,7 @@ class DocumentTest(unittest.TestCase):
         # The page also has the tree's own commit, whose name may sort before "1".
         self.assertIn("1", measured_at.group(1).split(", "))
 
-        # Named rows, and no others, are measured again, into a file of rows in another place.
+        # Only the named rows are measured again, into a file of rows in another place.
         for row in rows:
             row["commit"] = "commit 1"
         kept = self.folder / "kept.json"

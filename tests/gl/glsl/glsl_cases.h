@@ -39,7 +39,7 @@ struct GlslComparison {
   std::string expression;
   GlslInputs inputs;
   std::function<glm::dvec4(const glm::dvec4& a, const glm::dvec4& b)> exact;
-  bool is_relative = false;  // errors relative to each exact value; else absolute
+  bool is_relative = false;  // if true, errors are relative to each exact value, otherwise absolute
   ShaderHarnessInput variant = {};
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests multum-view as texture inference uses it: probe writes measured matrices to files, and sample draws a manifest
-// with textures from files. A x, with A from probe, equals the picture of sample.
+// with textures from files. The matrix A that probe writes, times the texture x, equals the picture that sample draws.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <half.h>
@@ -62,7 +62,7 @@ std::string scene_obj() {
 // If the board has moved, the waves have other coordinates, as in another block of the parameter space.
 TextureMapping mapping_of(const std::string& object, const std::string& view = "still") {
   TextureMapping mapping;
-  if (object == "waves") {  // turned, smaller than the texture; sides are not powers of two
+  if (object == "waves") {  // turned and smaller than the texture; sides are not powers of two
     mapping.linear = glm::dmat2(0.0, 0.875, 0.75, 0.0);
     mapping.offset = {0.125, 0.0625};
     mapping.width = 77;

@@ -227,7 +227,7 @@ TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
   }
 }
 
-// On a ball of 16 pixels, normals turn by some degrees per pixel: Williams's figures 18 and 19 in numbers.
+// On a ball of 16 pixels, normals turn by some degrees per pixel. This measures what Williams's figures 18 and 19 show.
 TEST_F(HighlightTest, ThePyramidAntialiases) {
   const Pyramid map = reflectance_of(lights, 256);
   const gl::Mesh mesh(gl(), ball(48));
@@ -276,7 +276,7 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
     EXPECT_EQ(surface.positions.back().y, -0.5f);
     EXPECT_EQ(surface.uvs.front(), glm::vec2(0.0f, 1.0f));
   }
-  // A slope of 1 in x: the normal leans by 45 degrees, at every level away from the border.
+  // With a slope of 1 in x, the normal leans by 45 degrees at every level, away from the border.
   const Pyramid ramp =
       make_pyramid(PyramidKind::kHeight, 32, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 32.0; });
   const PyramidSurface surface = surface_at_level(ramp, 1.0);
@@ -391,8 +391,8 @@ TEST_F(PyramidModesTest, ASurfaceAtALevel) {
 
 TEST_F(PyramidModesTest, ASurfaceByItsProjectionAndInPatches) {
   write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; }), "h.exr");
-  // A picture of 32 pixels and a right angle: a unit at distance 1 is 16 pixels, so that points are 16 / 63 pixels
-  // apart.
+  // The picture has 32 pixels and an angle of view of 90 degrees. A unit at distance 1 is 16 pixels, so points are 16 /
+  // 63 pixels apart.
   const std::vector<std::string> above = {"lod", path("h.exr"), "--camera", "0,0,1,0,0,0,90"};
   const auto drawn = [&](std::vector<std::string> more) {
     more.insert(more.begin(), above.begin(), above.end());

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Registered once for all tests of this program.
+// The types are registered once for all tests of this program.
 [[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);
 
 // A measured BRDF is a file, and a text must not lead to files that jobs may not read.

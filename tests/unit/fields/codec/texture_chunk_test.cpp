@@ -84,8 +84,8 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
         bytes_before = bytes.size();
         error_before = error;
       }
-      // Closed loop: whatever error coarser levels left, the finest level has only the error of its own quantizer. The
-      // quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
+      // In a closed loop, the finest level has only the error of its own quantizer, whatever error coarser levels left.
+      // The quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
       EXPECT_LT(error_before, 3.5 * 3.5);
     }
 }
@@ -184,7 +184,7 @@ TEST(BestChunk, TriesWhatItIsAskedTo) {
     EXPECT_GE(cost(PyramidChoice::kPlain, coder), plain);
 }
 
-// Finer images cannot repair the coding errors of coarser ones: each level's error stays in the sum.
+// Finer images cannot repair the coding errors of coarser ones, so each level's error stays in the sum.
 TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
   const ChunkSource source = test_source({4, 4}, 24);
   ChunkSettings settings;
@@ -200,7 +200,7 @@ TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
 }
 
 TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
-  // The samples are multiples of one texture: a basis needs one image, but a pyramid needs differences.
+  // The samples are multiples of one texture. A basis needs one image, but a pyramid also needs differences.
   ChunkSource source = test_source({8}, 18);
   for (std::size_t s = 1; s < 8; ++s)
     for (std::size_t i = 0; i < source.textures[s].size(); ++i)

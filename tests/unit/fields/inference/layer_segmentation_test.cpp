@@ -182,8 +182,7 @@ TEST(LayerSegmentationTest, WhatCannotBeRepairedIsDropped) {
 }
 
 TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundings) {
-  // A wire of half a pixel covers half of each pixel along it, over a flat wall: the part of a pixel that is not the
-  // wall is the wire.
+  // A wire over a flat wall covers half of each pixel along it. The part of a pixel that is not the wall is the wire.
   Picture picture(20, 20, 2);
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) {
@@ -212,7 +211,8 @@ TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundin
 }
 
 TEST(LayerSegmentationTest, TheKernelWidensWhereNothingWholeIsNear) {
-  // The only fully covered pixel of object 0 is ten pixels away: sigma 4 reaches it, sigma_max 2 does not.
+  // The only fully covered pixel of object 0 is ten pixels away. A sigma of 4 reaches it, but a sigma_max of 2 does
+  // not.
   Picture picture(24, 3, 2);
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 24; ++x) {

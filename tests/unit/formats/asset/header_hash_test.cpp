@@ -226,7 +226,7 @@ TEST_F(HeaderHashTest, FilesOfEarlierVersionsPassAndSaySo) {
     kind.write(path());
     std::string bytes = read_bytes(path());
     const AttributePlace place = place_of(bytes, kHeaderHashAttribute);
-    // Renamed, the attribute is unknown to every reader and has no effect.
+    // A renamed attribute is unknown to every reader and has no effect.
     bytes.replace(place.begin, 6, "others");
     bytes.replace(place.value_begin, place.end - place.value_begin, place.end - place.value_begin, ' ');
     EXPECT_EQ(failed_checks(path(), bytes), std::set<std::string>()) << kind.name;

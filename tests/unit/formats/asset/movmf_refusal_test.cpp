@@ -172,7 +172,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                    h.channels() = channels;
                  }),
                  {"no channel lobe1.vMF.R in part lobe.1"});
-  // Pixels cannot be copied to another compression, so the channels change too: the level mode is checked first.
+  // Pixels cannot be copied to another compression, so the channels change too. The level mode is checked first.
   const auto change_tiles = [&](const char* name, Imf::LevelMode mode) {
     return file_.rebuilt(all_, [=](Imf::Header& h) {
       if (h.name() != name) return;

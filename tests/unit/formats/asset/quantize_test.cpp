@@ -194,7 +194,7 @@ TEST_P(QuantizeTest, KeepsSpreadUpToKappaMax) {
   // A flat lobe rounds only z, by at most half a step.
   for (double kappa = limit; kappa > 0.9 * limit; kappa *= 0.997)
     EXPECT_LE(spread_change(kappa, GetParam(), random_, 0.0).percentile_95, 0.31) << "flat, kappa " << kappa;
-  // Far beyond the limit the error is large, so that the limit is tight.
+  // Far beyond the limit the error is large, so the limit is tight.
   EXPECT_GE(spread_change(4.0 * limit, GetParam(), random_, 60 * kDegree).percentile_95, 0.25);
 }
 
@@ -237,7 +237,7 @@ TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetween
   constexpr double kKappaF = 20000.0;
   const double exact = highlight_peak({{0.0, 0.0, 1.0, 1.0}}, kKappaF);
   EXPECT_NEAR(exact, kKappaF / (2.0 * std::numbers::pi), 1e-6 * exact);
-  std::array<double, 2> worst = {0.0, 0.0};  // at texels, between them
+  std::array<double, 2> worst = {0.0, 0.0};  // at texels and between them
   for (double tilt = 0.0; tilt <= 60.0; tilt += 2.5)
     for (double azimuth = 0.0; azimuth < 360.0; azimuth += tilt == 0.0 ? 360.0 : 3.7) {
       const double t = tilt * kDegree, p = azimuth * kDegree;

@@ -216,7 +216,7 @@ TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   }
 }
 
-// A colour map's words are v * 257, or v * 256 from some programs: both give v, for every v.
+// A colour map's words are v * 257, or v * 256 from some programs. Both give v, for every v.
 TEST(ImageReaderTest, PalettesOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -282,7 +282,7 @@ TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
                [&] { read_raw(folder / "a.exr"); });
 }
 
-// Ignored properties are noted: the picture's orientation, and further pictures in the file.
+// Ignored properties, such as the picture's orientation and further pictures in the file, are noted.
 TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   const TemporaryFolder folder;
   const auto notes = [&](const std::string& name) {
@@ -487,7 +487,7 @@ TEST(ImageReaderTest, TexelLimitIsCheckedBeforeReading) {
   EXPECT_EQ(read_raw(folder / "a.png", settings).width, 20);
 }
 
-// A PNG of 60 bytes claims 30000 x 30000 texels: within the limit of texels, but not within its bytes.
+// A PNG of 60 bytes claims 30000 x 30000 texels. This is within the limit of texels, but too much for 60 bytes.
 TEST(ImageReaderTest, SizesThatTheBytesCannotHoldAreRefused) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.png", gradient_image(4, 4, 3));

@@ -23,9 +23,9 @@ struct TestImage {
   int channels = 3;
   std::vector<float> values = {};  // interleaved
   OIIO::TypeDesc type = OIIO::TypeDesc::UINT8;
-  std::vector<std::string> channel_names = {};  // empty: OpenImageIO's
+  std::vector<std::string> channel_names = {};  // if empty, OpenImageIO chooses the names
   int alpha_channel = -1;
-  int tile_size = 0;  // 0: scan lines
+  int tile_size = 0;  // 0 for scan lines
   std::string compression = "";
   std::string colour_space = "";
 

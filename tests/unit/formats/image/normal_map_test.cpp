@@ -193,7 +193,7 @@ TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   expect_error(ErrorCode::kInput, {"a.png", "--bumpformat"}, [&] { read_map(folder / "a.png"); });
 }
 
-// Two outliers do not change the detection of greyness or direction: like NaN, they are repaired.
+// Two outliers do not change the detection of greyness or direction. They are repaired like NaN.
 TEST(NormalMapReading, OutliersHideNothing) {
   const TemporaryFolder folder;
   for (const float outlier : {1e12f, 1e30f, -1e30f}) {
@@ -452,7 +452,7 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
   const TemporaryFolder folder;
   const TestImage full = normal_image(64, 64);
   TestImage image{.width = 64, .height = 64, .channels = 4, .alpha_channel = 3};
-  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1: blue equals green
+  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1 stands for a blue that equals green
     image.values.clear();
     for (std::size_t i = 0; i < full.values.size(); i += 3)
       image.values.insert(image.values.end(),

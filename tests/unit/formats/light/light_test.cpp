@@ -76,7 +76,7 @@ TEST(VmfTerms, ChannelsShareTheirKappas) {
   EXPECT_LT(terms[0].weight.z, 0.1);
 }
 
-// A sheen is 0 at the normal and brightest near the horizon: broad terms of both signs approximate it.
+// A sheen is 0 at the normal and brightest near the horizon. Broad terms of both signs approximate it.
 TEST(VmfTerms, FitADensityThatHasNoPeak) {
   for (const double power : {0.5, 1.0, 1.4}) {
     const auto sheen = [&](double e) { return glm::dvec3(e < 1.0 ? std::pow(e * (2.0 - e), power) : 0.0); };

@@ -84,7 +84,7 @@ TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
 #endif
 }
 
-// A child whose parent was killed (-9) ends too, also after an exec.
+// A child whose parent was killed (-9) ends too, even after an exec.
 TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
   for (const bool is_limited : {false, true}) {
     int pipe_ends[2];

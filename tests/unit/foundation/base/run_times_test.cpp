@@ -52,7 +52,7 @@ TEST(RunTimesTest, ProcessorTimeIsOfAllThreadsAndNotOfSleep) {
   EXPECT_GE(times[1].processor_seconds, 0.04);
 }
 
-// A device's time counts only during the run, as the smallest of all rounds. Device time counts as work in addition to
+// A device's time counts only during the run, as the smallest time of all rounds. It counts as work in addition to
 // processor time.
 TEST(RunTimesTest, TheDevicesClockCountsAsWork) {
   double device = 100.0;  // device time before the run
