@@ -34,7 +34,7 @@ function valueAt(file, name, type, from = 0) {
 }
 const changed = (file, change) => { const bytes = Buffer.from(file); return change(bytes) ?? bytes; };
 
-/** Returns the mean difference of two pages' pictures at a view, of 255, and the share of values within CLOSE. */
+/** Returns the mean difference of two pages' pictures at a view, in 1/255, and the share of values within CLOSE. */
 async function apart(one, other, hash) {
   for (const page of [one, other]) {
     await goTo(page, hash);

@@ -83,7 +83,7 @@ function ball(rings = 32) {
   } });
 }
 
-/** Returns the mean difference from the picture `url` inside the square, of 255, and the largest brightness there. */
+/** Returns the mean difference from the picture `url` inside the square, in 1/255, and the largest brightness there. */
 const apart = (page, url) => page.evaluate(async ([want, half]) => {
   const image = new Image();
   image.src = want;

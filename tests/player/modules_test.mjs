@@ -405,7 +405,7 @@ const steps = {
     assert.ok(refused > 10000, `${refused} were refused`);
   },
 
-  /** Any file is refused with a message or read: bytes change, are cut or doubled, some checksums are corrected. */
+  /** Any file is read or refused with a message. Bytes change, are cut or doubled, and some checksums are corrected. */
   async filesOfStrangersDoNotBreakIt() {
     const sound = fileOf([descriptionSection(description()), { kind: 1, layer: 0, block: 0, bytes: Buffer.from("abc") },
       { kind: 7, layer: 0, block: 0, bytes: Buffer.alloc(10) }]);

@@ -9,7 +9,7 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
   ".png": "image/png" };
 
 export class RangeServer {
-  /** `folder`: the folder that / serves. */
+  /** `folder` is served at /. */
   static async start(folder) {
     const server = new RangeServer();
     Object.assign(server, { folder, copies: new Map(), requests: [] });

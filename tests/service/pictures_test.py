@@ -29,7 +29,7 @@ def png_size(data):
 
 class PicturesTest(ServiceCase):
     def start(self, viewer=None, **more):
-        """`viewer`: a shell script that replaces multum-view for this daemon; "": no multum-view."""
+        """`viewer` is a shell script that replaces multum-view for this daemon; with "", multum-view is missing."""
         multum = MULTUM
         if viewer is not None:
             multum = os.path.join(self.folder, "bin", "multum")

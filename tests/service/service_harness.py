@@ -102,7 +102,7 @@ class Service:
         return http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
 
     def ask(self, method, target, body=None, headers=None, connection=None, timeout=30):
-        """Returns the status and the answer: parsed if it is JSON, else bytes."""
+        """Returns the status and the answer: parsed if it is JSON, otherwise bytes."""
         use = connection or self.connection(timeout)
         data = None if body is None else json.dumps(body)
         use.request(method, target, data, headers or {})
@@ -186,7 +186,7 @@ class ClientCase(ServiceCase):
         return os.path.join(os.path.realpath(self.service.data), "results")
 
     def drill(self, seconds=0, **job):
-        """Submits a job that does nothing and ends as told."""
+        """Submits a job that does nothing and ends as its parameters say."""
         parameters = {"seconds": seconds}
         for name in ("then", "text"):
             if name in job:
@@ -211,7 +211,7 @@ class ClientCase(ServiceCase):
 
 def with_drill(document, types):
     """Returns docs/reference/openapi.json, which describes multum, with the additional job type of multum-drill.
-    `types`: the answer of /v1/types."""
+    `types` is the answer of /v1/types."""
     schemas = document["components"]["schemas"]
     schemas["DrillParameters"] = next(one["parameters"] for one in types["types"] if one["name"] == "drill")
     schemas["Submission"]["properties"]["type"]["enum"].append("drill")

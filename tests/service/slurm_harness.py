@@ -82,8 +82,8 @@ def descendants(pid):
 
 
 class Slurm:
-    """`nodes`: number of nodes on this machine, named bake1 and so on, with `cpus` processors each. `more`: lines of
-        slurm.conf."""
+    """`nodes` is the number of nodes on this machine, named bake1 and so on, with `cpus` processors each. `more` holds
+    lines of slurm.conf."""
 
     def __init__(self, folder, nodes=2, cpus=1, more=""):
         self.folder = folder
@@ -169,7 +169,7 @@ class Slurm:
         return self.run(*words).splitlines()
 
     def kill(self, name):
-        """Sends SIGKILL. For a node, also to everything that runs on it."""
+        """Sends SIGKILL to one of the daemons; a node's tasks run on."""
         process = self.processes[name]
         process.send_signal(signal.SIGKILL)
         process.wait()

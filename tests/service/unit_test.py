@@ -3,7 +3,7 @@
 """Checks how much of the machine the systemd unit exposes to the service, by `systemd-analyze security`.
 
 Usage: unit_test.py UNIT
-Exit code 77, a skipped test, without systemd-analyze.
+Exits with 77 (skipped) without systemd-analyze.
 """
 import re
 import shutil

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the service's page in Debian's headless Chromium: starts daemons, then web_test.mjs, which asks for them.
 
-  web_test.py MULTUM SCREENSHOTS [--only STEP]      exit code 77: no Chromium, Node or playwright-core here
+  web_test.py MULTUM SCREENSHOTS [--only STEP]      exits with 77 (skipped) without Chromium, Node or playwright-core
 """
 import argparse
 import json

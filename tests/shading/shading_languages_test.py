@@ -239,7 +239,8 @@ class ShadingLanguagesTest(unittest.TestCase):
         return (self.path / f"multum_lobes.{ending}").read_text()
 
     def hold(self, name, values):
-        """Texture filters may place a lookup to only 1/256 of a texel, and single precision cancels in sharp lobes."""
+        """Texture filters may place a lookup only to 1/256 of a texel, and single precision loses digits in sharp
+        lobes."""
         self.assertEqual(len(values), 4 * len(self.cases), name)
         for k, what in enumerate(("Lambert", "Blinn-Phong", "GGX", "Schlick")):
             scale = max(row[k] for row in self.exact)

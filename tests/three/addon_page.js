@@ -93,7 +93,8 @@ function sceneOf(material, ...objects) {
 }
 
 /**
- * Loads a model of one triangle by GLTFLoader with the plugin. `more`: parts of the glTF; its buffer views in base64.
+ * Loads a model of one triangle by GLTFLoader with the plugin. `more` holds parts of the glTF, with buffer views in
+ * base64.
  */
 async function loadModel(material, more, views) {
   const bytes = views.map((one) => Uint8Array.from(atob(one), (c) => c.charCodeAt(0)));

@@ -274,7 +274,7 @@ class DocumentTest(unittest.TestCase):
         self.assertNotIn("#### In the browser", page)
 
     def path_without_browsers(self):
-        """Returns a folder of links to all programs except for those."""
+        """Returns a folder of links to all programs except for the given ones."""
         folder = self.folder / "programs"
         folder.mkdir()
         for place in os.environ["PATH"].split(":"):

@@ -112,7 +112,7 @@ def float_row(numbers, bits):
 
 
 def encoded_row(samples, picture, layout, step):
-    """Returns the bytes of one row of a block. `step`: samples per texel in the row."""
+    """Returns the bytes of one row of a block. `step` is the number of samples per texel in the row."""
     bits = picture.bits
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:

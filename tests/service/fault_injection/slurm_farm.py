@@ -8,7 +8,7 @@ and no other file may be left.
   fault_injection/slurm_farm.py MULTUM_DRILL [--jobs 500] [--map 8192] [--faults 3]
 
 It needs root, the right to mount a tmpfs, and Debian's slurmctld, slurmd, slurm-client and munge; faketime for the
-clock. Exit code 77: no Slurm can be started here.
+clock. Exits with 77 (skipped) if no Slurm can be started.
 """
 import argparse
 import collections
