@@ -110,7 +110,7 @@ std::vector<float> shade_moments_glsl(const gl::HeadlessContext& context, const 
   return values;
 }
 
-// A set of moments and a half vector in double precision.
+// Holds a set of moments and a half vector in double precision.
 struct ExactInput {
   reference::TexelMoments m;
   glm::dvec3 h;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Successful bakes: the file, the report, the progress bar, the same bytes every time, and the help.
+// Tests successful bakes: the file, the report, the progress bar, the same bytes every time, and the help.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -149,7 +149,8 @@ TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
       << info.out;
 }
 
-// Two maps of the same noise: one is an ordinary rough surface; the other has slopes that only a glossy material shows.
+// Makes two maps of the same noise. One is an ordinary rough surface; the other has slopes that only a glossy material
+// shows.
 TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
   const auto bake = [&](double slope, const std::string& storage) {
     TestImage noise{.width = 64, .height = 64};

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two maps, baked to out/. The first map has colours.
+// Makes two maps, which are baked to out/. The first map has colours.
 class BakeManifestCommandTest : public CliTest {
  protected:
   void SetUp() override {
@@ -48,7 +48,7 @@ class BakeManifestCommandTest : public CliTest {
     static const std::unique_ptr<TemporaryFolder> baked = bake_once();
     for (const char* name : {"a.ndf.exr", "b.ndf.exr"}) fs::copy_file(*baked / name, path("out/") + name);
   }
-  // Modification times of all files in the folder and in out/, except for the check's own reports.
+  // Returns the modification times of all files in the folder and in out/, except for the check's own reports.
   std::map<std::string, fs::file_time_type> times() const {
     std::map<std::string, fs::file_time_type> found;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))

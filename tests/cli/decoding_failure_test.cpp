@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When the decoding child fails, a command refuses the file or blames the machine, with the matching exit code. It
-// leaves no trace: an older output stays unchanged.
+// When the decoding child fails, a command refuses the file or blames the machine, with the matching exit code. The
+// command leaves no trace: an older output stays unchanged.
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum doctor: a working machine, and machines that lack something.
+// Tests multum doctor on a working machine, and on machines that lack something.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum infer, from a folder of ray-traced pictures to pictures drawn by GL: results, omissions, reuse of an earlier
-// run, and refusals.
+// Tests multum infer, from a folder of ray-traced pictures to pictures drawn by GL: results, omissions, reuse of an
+// earlier run, and refusals.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

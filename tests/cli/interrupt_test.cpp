@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interrupted bakes. kill -9 leaves at most a hidden temporary file named .multum-tmp-PID-NUMBER-PLACE-NAME, and
+// Tests interrupted bakes. kill -9 leaves at most a hidden temporary file named .multum-tmp-PID-NUMBER-PLACE-NAME, and
 // finished rows in .multum-partial-NAME; the next bake of NAME removes both. SIGINT and SIGTERM leave nothing.
 #include <signal.h>
 

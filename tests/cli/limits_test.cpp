@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands that run out of a resource: disk space during a bake, memory, open files, a writable folder, name length.
-// The error is clear and has an exit code; no signal ends the program, and no half-written file is left.
+// Tests commands that run out of a resource: disk space during a bake, memory, open files, a writable folder, name
+// length. The error is clear and has an exit code; no signal ends the program, and no half-written file is left.
 #include <sys/mount.h>
 
 #include "host/foundation/base/processes/sanitizers.h"

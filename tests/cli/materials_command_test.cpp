@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --roughness and --weights: the contents of the file, and how changes are recognised, in manifests and for
-// every representation.
+// Tests multum bake --roughness and --weights: the contents of the file, and the recognition of changes in manifests
+// and for every representation.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

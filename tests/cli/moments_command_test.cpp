@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --ndf moments: its file, its figures, changes that it recognises, refusals, and maketx --bumpslopes.
+// Tests multum bake --ndf moments: its file, its figures, changes that it recognises, refusals, and maketx
+// --bumpslopes.
 #include <fmt/format.h>
 
 #include <algorithm>

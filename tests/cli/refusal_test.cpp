@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that multum refuses: exit code and message say why, and no file is left behind or overwritten.
+// Tests everything that multum refuses. Exit code and message say why, and no file is left behind or overwritten.
 #include <sys/resource.h>
 
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes that continue: after a kill, with --resume, and after an edit, with --region and --onto.
+// Tests bakes that continue: after a kill with --resume, and after an edit with --region and --onto.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -31,7 +31,7 @@ class ResumeTest : public CliTest {
     return multum_command(arguments);
   }
   std::string partial() const { return path(".multum-partial-map.ndf.exr"); }
-  // The records of finished rows, and the offset of these rows in the file.
+  // Holds the records of finished rows, and the offset of these rows in the file.
   struct Kept {
     RowBlock rows;
     std::uint64_t begin;
@@ -123,7 +123,7 @@ TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   }
 }
 
-// A farm sends SIGTERM before it kills: docs/reference/exit_codes.md.
+// A farm sends SIGTERM before it kills (docs/reference/exit_codes.md).
 TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   make_map("map", 512);
   const auto bake = [&](const std::vector<std::string>& more) {
@@ -286,7 +286,7 @@ class RegionTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum(arguments);
   }
-  // Errors over the whole map: means over points and levels, by BRDF.
+  // Returns errors over the whole map, as means over points and levels, by BRDF.
   std::map<std::string, double> errors(const std::string& output) const {
     std::ifstream in(path(output + ".json"));
     std::map<std::string, double> sums;
@@ -398,7 +398,7 @@ TEST_F(RegionTest, WeightsOfTheRegionChange) {
   const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr")),
                     whole = read_movmf_mipmap(path("whole.ndf.exr"));
   constexpr std::size_t kLevel = 3, kWidth = kSide >> kLevel;
-  // Sums over the lobes, for a texel in the region's middle and for the first texel.
+  // Returns sums over the lobes, for a texel in the region's middle and for the first texel.
   const auto first_weight = [&](const MovmfMipmap& mipmap, std::size_t texel) {
     float sum = 0.0f;
     for (const std::vector<float>& lobe : mipmap.levels[kLevel].weights) sum += lobe[texel * 3];

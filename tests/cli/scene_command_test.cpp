@@ -69,7 +69,7 @@ class SceneCommandTest : public CliTest {
     write_bytes(path(c.name + ".toml"), text);
     return path(c.name + ".toml");
   }
-  // A scene with an object that names its own materials.
+  // Makes a scene with an object that names its own materials.
   static std::string with_object(const std::string& materials) {
     return "[[object]]\nname = \"front\"\nmap = \"wall\"\n" + materials + "\nwidth = 2.0\ndistance = [0.4, 20]\n";
   }

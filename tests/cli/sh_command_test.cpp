@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --ndf sh: its file, its figures, recognised changes, and refusals.
+// Tests multum bake --ndf sh: its file, its figures, changes that it recognises, and refusals.
 #include <fmt/format.h>
 
 #include <algorithm>

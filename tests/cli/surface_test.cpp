@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of the surface between texels, as renderers show it magnified: `multum bake --surface interpolated`.
+// Tests bakes of the surface between texels, which renderers show when they magnify: `multum bake --surface
+// interpolated`.
 #include <OpenImageIO/imagebuf.h>
 #include <gtest/gtest.h>
 

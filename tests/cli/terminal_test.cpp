@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names and texts with control characters: escaped on a terminal, unchanged in a pipe.
+// Tests names and texts with control characters, which are escaped on a terminal and unchanged in a pipe.
 #include <regex>
 #include <sstream>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sweep of settings: its page, its figures, its fronts, and that no temporary file remains.
+// Tests a sweep of settings: its page, its figures and its fronts. No temporary file remains.
 #include <fmt/format.h>
 
 #include <algorithm>

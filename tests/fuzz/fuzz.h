@@ -28,7 +28,7 @@ std::string file_bytes(const std::string& path);
 /// Returns the process's temporary folder, which is removed with the process.
 const std::string& scratch_folder();
 
-/// The chosen one of `count` readers, and the rest of the input. An empty input chooses the first reader.
+/// Holds the chosen one of `count` readers, and the rest of the input. An empty input chooses the first reader.
 struct Input {
   unsigned kind;
   std::string_view bytes;

@@ -126,7 +126,8 @@ direction = [0.3, 0.8, 0.5]
 [environment]
 file = "sky.exr"
 )";
-// Structure that counts towards the limits (host/foundation/toml/toml_limits.h), and text that only looks like it.
+// Contains structure that counts towards the limits (host/foundation/toml/toml_limits.h), and text that only looks like
+// structure.
 constexpr char kNested[] = R"([[a.b]]
 c.d = [[1, {e.f = "x.[{", g = []}], '''y]'''] # h.i = [[
 "j.k" = """m" "" \\"""

@@ -48,7 +48,8 @@ void add_angles(double spread, double theta_max, int count, ShaderHarnessInput& 
   }
 }
 
-/// Relative L1 error in per cent over the hemisphere, weighted by solid angle; add_angles() made the angles.
+/// Returns the relative L1 error in per cent over the hemisphere, weighted by solid angle; add_angles() made the
+/// angles.
 double relative_l1(const std::vector<double>& angles, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0, total = 0.0;

@@ -42,7 +42,7 @@ MeshData turning_quad(float size) {
   return data;
 }
 
-// The scene that draws turning_quad(6).
+// Returns the scene that draws turning_quad(6).
 RenderScene turning_scene() {
   RenderScene scene;
   scene.camera.eye = {0.0f, 3.0f, 30.0f};

@@ -90,7 +90,7 @@ GLuint linked(const GlFunctions& gl, bool is_es) {
   return program;
 }
 
-// The drawn map: two texels of two lobes each, and a pixel midway between them.
+// The drawn map has two texels of two lobes each, and the pixel is midway between them.
 struct Lobe {
   glm::dvec3 mean;  // a r
   double amplitude;

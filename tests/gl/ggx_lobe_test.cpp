@@ -107,7 +107,7 @@ TEST_F(GgxLobeTest, FitsAreToTheReference) {
     for (const double kappa : {0.3, 5.0, 80.0, 2000.0})
       for (const double theta : {0.0, 0.02, 0.3, 1.2, 1.5}) {
         const double exact = reference::convolved_ggx(alpha, kappa, theta);
-        // The error of the reference's midpoint rule.
+        // The bound is the error of the reference's midpoint rule.
         EXPECT_NEAR(convolved_ggx_facets(alpha, kappa, theta) / exact, 1.0, 3e-4)
             << "alpha " << alpha << " kappa " << kappa << " theta " << theta;
       }

@@ -201,8 +201,8 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
 }
 
 TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
-  // Seen from straight above, image up = growing v: the map's first row, white, is in the picture's upper half. Normals
-  // that lean up (+Y) face a light that shines from the picture's upper edge.
+  // The view is from straight above, and v grows upwards in the picture. The map's first row, white, is in the
+  // picture's upper half. Normals that lean up (+Y) face a light that shines from the picture's upper edge.
   TestMap map = make_flat_map(2);
   map.image.albedo = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.1f), glm::vec3(0.1f)};
   MovmfLevel& finest = map.mipmap.levels[0];
@@ -258,8 +258,8 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
   }
 }
 
-/// A plain from near to far with every level of detail, magnification included; slopes of up to 0.8 are never in
-/// shadow.
+/// Returns a plain from near to far with every level of detail, including magnification. Slopes of up to 0.8 are never
+/// in shadow.
 RenderScene plain_scene() {
   RenderScene scene;
   scene.uv_scale = 60.0f;
@@ -297,8 +297,8 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
 }
 
 TEST_P(RenderTest, WrapModesEqualReference) {
-  // Seen from straight above, with a corner of the map in the middle of the picture. The map's last row and column end
-  // at x = -10 and y = 40, and three quarters of the picture are beyond the border.
+  // The view is from straight above, with a corner of the map in the middle of the picture. The map's last row and
+  // column end at x = -10 and y = 40, and three quarters of the picture are beyond the border.
   RenderScene scene;
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};

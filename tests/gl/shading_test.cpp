@@ -97,7 +97,7 @@ TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
   }
 }
 
-/// Relative L1 error in per cent over the hemisphere around the mean, weighted by solid angle.
+/// Returns the relative L1 error in per cent over the hemisphere around the mean, weighted by solid angle.
 double relative_l1(const std::vector<Case>& cases, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0;
@@ -110,8 +110,8 @@ double relative_l1(const std::vector<Case>& cases, const std::vector<double>& va
 }
 
 TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
-  // Bounds: the table of tools/lab/fit_shading.py, rounded up. The paper's equation 20 errs by 3 to 70 % for kappa <=
-  // 50.
+  // The bounds are the table of tools/lab/fit_shading.py, rounded up. The paper's equation 20 has errors of 3 to 70 %
+  // for kappa <= 50.
   const struct {
     double s;
     double bound;

@@ -68,7 +68,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(weighed[1], glm::vec4(glm::normalize(first_angle * glm::vec2(1, 0) + second_angle * third), 0, 1));
 }
 
-// A chart and its mirror image share the seam's vertices with all attributes: positions, normals, coordinates.
+// A chart and its mirror image share all attributes of the seam's vertices: positions, normals, coordinates.
 TEST(TangentSpace, MirroredChartsDoNotMix) {
   const Corner top{{0, 1, 0}, {0, 1}}, bottom{{0, 0, 0}, {0, 0}}, right{{1, 0, 0}, {1, 0}}, left{{-1, 0, 0}, {1, 0}};
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({bottom, right, top, bottom, top, left}));

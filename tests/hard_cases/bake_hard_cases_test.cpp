@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest,
                                                                          : "Vector";
                          });
 
-// kappa -> infinity; J > number of distinct normals; identical starting lobes.
+// Tests kappa -> infinity, more lobes J than distinct normals, and identical starting lobes.
 TEST_P(HardCaseTest, AllNormalsEqual) {
   for (double degrees : {0.0, 30.0, 60.0, 89.0}) {
     const glm::dvec3 n = glm::dvec3(glm::vec3(tilted(degrees)));

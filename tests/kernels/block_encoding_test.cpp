@@ -28,7 +28,7 @@ using testing::uniform24;
 
 constexpr std::size_t kBlocks = 24;  // blocks of each kind
 
-// The content of one channel of a kind of blocks: a place on a slope with waves, and noise.
+// Describes one channel of a kind of blocks: a place on a slope with waves, and noise.
 struct Relief {
   double middle, range, noise;  // 0 to 255
 };
@@ -252,8 +252,8 @@ TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   }
 }
 
-// The same search with the third channel in alpha. The error equals that of blocks of colours if both choose modes 4, 5
-// or 6 and blue is 1.
+// Repeats the search with the third channel in alpha. The error equals that of blocks of colours if both choose modes
+// 4, 5 or 6 and blue is 1.
 TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
   std::mt19937 random(34);
   BlockEncoder encoder(test_device());

@@ -48,7 +48,7 @@ MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   return settings;
 }
 
-// A schedule of this one level.
+// Makes a schedule of this one level.
 MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settings, const LevelFit& how) {
   MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::erase_if(schedule.levels, [&](const LevelSchedule& level) { return level.level != how.level; });

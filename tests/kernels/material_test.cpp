@@ -387,7 +387,7 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   }
 }
 
-// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes. The table is in
+// Tests errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes. The table is in
 // docs/contributing/ALGORITHMS.md, "Roughness and material features"; its figures are rounded and use another seed of
 // noise. Varying roughness multiplies the error by up to four. If a sample were one facet, the error would be 12.4 %
 // instead of the stated 6.8 %.

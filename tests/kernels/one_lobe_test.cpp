@@ -49,7 +49,7 @@ class Levels : public MaterialSink {
   std::vector<MaterialRows> levels;
 };
 
-// The other planes of a map: alpha^2, occlusion, metalness.
+// Holds the other planes of a map: alpha^2, occlusion, metalness.
 struct Material {
   std::vector<float> base_squared, occlusion, metalness;
 };

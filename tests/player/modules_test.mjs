@@ -175,7 +175,7 @@ const steps = {
     const thing = objects.get("thing");
     near(thing.positions, [0, 2, 0, 0, 0, 0, 1, 0, 0], 0, "corners in the indices' order");
     near(thing.uvs, [32768 / 65535, 0, 0, 0, 16384 / 65535, 0], 1e-6, "texture coordinates, upwards");
-    // Rotated by 90 degrees about y: x goes to -z. Scaled by 2, and moved by the parent.
+    // The node is rotated by 90 degrees about y, so x goes to -z. It is scaled by 2, and moved by the parent.
     const corner = [0, 1, 2].map((row) => thing.objectToWorld[row] + thing.objectToWorld[12 + row]);
     near(corner, [1, 2, 3 - 2], 1e-12, "where (1, 0, 0) is");
     for (const [change, pattern] of [

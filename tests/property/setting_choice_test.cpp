@@ -191,8 +191,8 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   return maps;
 }
 
-// Returns a number of successes out of `count`, each with a probability of 95 %. By chance, fewer successes occur only
-// once in 10,000 times, by a binomial sum.
+// Returns a number of successes out of `count`, each with a probability of 95 %. By a binomial sum, chance gives fewer
+// successes only once in 10,000 times.
 int least_held(int count) {
   double below = 0.0;
   for (int held = 0; held < count; ++held) {

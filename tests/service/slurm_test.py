@@ -38,8 +38,8 @@ poll_s = {poll}
 visible_s = 0.5
 {more}
 """
-# A wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has accepted a
-# job, or answers with the number of another user's job.
+# This is a wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has
+# accepted a job, or answers with the number of another user's job.
 SBATCH = """#!/bin/sh
 if [ -e {flag}.other ]; then
   rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'
@@ -49,7 +49,7 @@ if [ -e {flag} ]; then rm {flag}; kill -9 $(cat {flag}.pid); fi
 printf '%s\\n' "$answer"
 exit $code
 """
-# A wrapper for scancel that records the cancelled jobs.
+# This is a wrapper for scancel, which records the cancelled jobs.
 SCANCEL = """#!/bin/sh
 echo "$@" >>{flag}.cancelled
 exec {scancel} "$@"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: its images as OpenImageIO reads them, the same bytes for any memory, its report, its refusals, and the
-// files that remain after an interruption.
+// Tests multum export: its images as OpenImageIO reads them, the same bytes for any memory, its report, its refusals,
+// and the files that remain after an interruption.
 #include <OpenImageIO/imageio.h>
 
 #include <signal.h>
@@ -214,7 +214,7 @@ TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
                                         "--no-measure"};
     options.insert(options.end(), kind.options.begin(), kind.options.end());
     ASSERT_EQ(multum(options).exit_code, 0);
-    // The same export without Zstandard, for comparison.
+    // Repeats the export without Zstandard, for comparison.
     for (std::string& option : options)
       if (option == path(folder + "/rock.ktx2")) option = path(folder + "/plain.ktx2");
     if (kind.has_zstd) options.resize(options.size() - 2);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export for engines with other conventions: green down, smoothness, no metalness, UASTC; and the line about
-// engines that load none of the files. OpenImageIO reads images and DDS blocks; three.js reads UASTC in Chromium.
+// Tests multum export for engines with other conventions: green down, smoothness, no metalness, UASTC. Also tests the
+// line about engines that load none of the files. OpenImageIO reads images and DDS blocks; three.js reads UASTC in
+// Chromium.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -129,7 +130,7 @@ TEST_F(ExportEnginesTest, MeasuresTheSameWithGreenDown) {
   EXPECT_NEAR(error("down"), error("up"), 0.05 * error("up"));
 }
 
-// Unity's mask map: metalness in red, occlusion in green, detail in blue, smoothness in alpha.
+// Unity's mask map has metalness in red, occlusion in green, detail in blue and smoothness in alpha.
 TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
   TestImage maps{.width = kWidth, .height = kHeight, .channels = 3};
   for (int i = 0; i < kWidth * kHeight; ++i)

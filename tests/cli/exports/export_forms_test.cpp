@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --form and --for: the values of levels, the printed lines, and refusals.
+// Tests multum export --form and --for: the values of levels, the printed lines, and refusals.
 #include <cmath>
 #include <filesystem>
 #include <map>

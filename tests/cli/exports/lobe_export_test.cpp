@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --lobes: the file as ktx-parse and multum read it, the difference of stored lobes from baked ones, a
-// picture by multum-view, and refusals.
+// Tests multum export --lobes: the file as ktx-parse and multum read it, the difference of stored lobes from baked
+// ones, a picture by multum-view, and refusals.
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ class LobeExportTest : public CliTest {
   }
 };
 
-// Root mean square errors of amplitudes and mean vectors, over all stored texels.
+// Holds root mean square errors of amplitudes and mean vectors, over all stored texels.
 struct StorageError {
   double amplitude = 0.0, vector = 0.0, spread = 0.0;
 };

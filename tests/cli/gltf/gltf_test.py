@@ -225,7 +225,7 @@ class GltfTest(FolderCase):
     def test_one_bad_map_leaves_the_others(self):
         grey = png(16, 16, lambda x, y: (128, 128, 128))
         slopes = bumps(32, 32, 0.3)
-        # A map with occlusion in blue, where z should be.
+        # This map has occlusion in blue, where z should be.
         packed_blue = png(32, 32, lambda x, y: (code(0.3 * math.sin(0.6 * x)), code(0.3 * math.sin(0.6 * y)),
                                                 round(150 + 50 * math.sin(0.2 * x) + 55 * math.cos(0.3 * y))))
         for bad, scale, options, word in ((grey, 1.0, (), "grey"), (slopes, 1e300, (), "scale is 1e+300"),

@@ -142,7 +142,7 @@ def read_exr(data):
     return parts
 
 
-# Reading of baked files.
+# The following functions read baked files.
 
 ORDER = "RGBAXYZ"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, the same bytes for
-// any number of threads, and the effect of damage.
+// Tests multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, the same bytes
+// for any number of threads, and the effect of damage.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

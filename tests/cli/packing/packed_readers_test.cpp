@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields in independent readers: Python by docs/reference/packed_fields.md (mpt_reading.py), and the decoder as
-// WebAssembly in Node (tools/wasm_decoder). Reads chunks of every kind that a file may have, and a field that multum
-// packed.
+// Tests packed fields with independent readers: a reader in Python by docs/reference/packed_fields.md (mpt_reading.py),
+// and the decoder as WebAssembly in Node (tools/wasm_decoder). They read chunks of every kind that a file may have, and
+// a field that multum packed.
 #include <fmt/format.h>
 #include <half.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play on a small animation that the test infers and packs: the same frames as `sample` for any number of
-// threads, cameras between samples, damage, too little memory, refusals.
+// Tests multum-view play on a small animation that the test infers and packs: the same frames as `sample` for any
+// number of threads, cameras between samples, damage, too little memory, refusals.
 #include <filesystem>
 
 #include <fmt/format.h>

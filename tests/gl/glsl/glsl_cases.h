@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of runtime_gl/shaders, like those of the kernels (host/lab/selftest), run by a GL context.
+// Declares the numerical cases of runtime_gl/shaders. They are like those of the kernels (host/lab/selftest), but run
+// in a GL context.
 #pragma once
 
 #include <functional>

@@ -47,7 +47,7 @@ void append_obj(const std::string& name, const gl::MeshData& data, std::size_t& 
   vertex_count += data.vertices.size();
 }
 
-// The waves, partly behind a board.
+// Makes the waves, which are partly behind a board.
 std::string scene_obj() {
   gl::MeshData board = gl::board_mesh();
   const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};

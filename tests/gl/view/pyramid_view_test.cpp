@@ -285,8 +285,8 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
   EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
 }
 
-// A surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The surface's
-// finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
+// Draws a surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The
+// surface's finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
 TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
   const auto level = [&](double distance, double spacing) {
@@ -302,7 +302,7 @@ TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
 }
 
 TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
-  // Control points on a plane: the patches lie in the plane and reach the border of the control points.
+  // If control points are on a plane, the patches are in the plane and reach the border of the control points.
   const Pyramid ramp =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 16.0; });
   const PyramidSurface points = surface_at_level(ramp, 1.0), plane = patches_at_level(ramp, 1.0, 4);
@@ -311,8 +311,8 @@ TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
   EXPECT_EQ(plane.indices.size(), 6u * 28u * 28u);
   EXPECT_LT(glm::distance(plane.positions.front(), points.positions.front()), 1e-6f);
   EXPECT_LT(glm::distance(plane.positions.back(), points.positions.back()), 1e-6f);
-  // A cubic B-spline of heights z with evenly spaced control points in one row: (z[-1] + 4 z[0] + z[1]) / 6 at a point,
-  // and (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
+  // A cubic B-spline of heights z with evenly spaced control points in one row is (z[-1] + 4 z[0] + z[1]) / 6 at a
+  // point, and (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
   const Pyramid wave =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.2 * std::sin(1.1 * x); });
   const PyramidSurface control = surface_at_level(wave, 0.0), spline = patches_at_level(wave, 0.0, 2);

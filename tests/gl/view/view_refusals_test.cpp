@@ -133,7 +133,7 @@ TEST_F(ViewRefusalTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
 }
 
 TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
-  // A ramp: its slopes depend on the height scale everywhere, and at the border on the wrap mode.
+  // The slopes of a ramp depend on the height scale everywhere, and at the border on the wrap mode.
   constexpr int kSize = 16;
   const auto write_heights = [&](double power) {
     std::vector<std::uint16_t> rgb;

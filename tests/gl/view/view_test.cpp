@@ -431,7 +431,7 @@ TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
                  {"--environment-turn", "require --environment"});
 }
 
-// A file that begins at level 1 or 2, and the normal map with the finer levels.
+// Draws a file that begins at level 1 or 2, and the normal map with the finer levels.
 class FirstLevelViewTest : public ViewTest {
  protected:
   static constexpr int kSize = 32;
@@ -624,7 +624,7 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   const auto make = [&](const std::string& source) {
     fs::remove_all(path("small"));
     fs::create_directory(path("small"));
-    // The service's own command line.
+    // This is the service's own command line.
     std::vector<std::string> arguments = {"thumbnails", "--context=osmesa", "--output=" + path("small")};
     if (!source.empty()) arguments.push_back("--source=" + path(source));
     arguments.insert(arguments.end(), {"--", path("map.ndf.exr")});

@@ -94,7 +94,7 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
   for (const LevelSchedule& level : make_mip_schedule(GetParam().width, GetParam().height, settings).levels) {
     SCOPED_TRACE(level.level);
     const MultumMovmfFit& fit = level.fit;
-    // The widest texel by the definition that a texel covers [x W/w, (x + 1) W/w).
+    // Computes the width of the widest texel by definition: a texel covers [x W/w, (x + 1) W/w).
     int columns = 0;
     for (int x = 0; x < fit.width; ++x) {
       int covered = 0;

@@ -88,7 +88,7 @@ TEST(JobTypes, ViewsAreTold) {
     EXPECT_EQ(type.views.empty(), type.no_other_view.empty()) << type.name;
     names.insert(files.begin(), files.end());
   }
-  // The names of all routes of the web interface (docs/reference/openapi.json).
+  // These are the names of all routes of the web interface (docs/reference/openapi.json).
   EXPECT_EQ(names, (std::set<std::string>{"error.png", "input.png", "look.html", "player.html", "render.png"}));
 }
 

@@ -244,13 +244,13 @@ TEST(LedgerRescue, AnEmptyLedgerLeavesNothingBehind) {
     SqliteDatabase ledger(folder / "d/jobs.sqlite");
     ledger.execute("DELETE FROM jobs; DELETE FROM uploads");
   }
-  // An intact ledger without jobs.
+  // Tests an intact ledger without jobs.
   const RescueReport report = rescue_ledger(folder / "d");
   EXPECT_EQ(report.tables.front().saved, 0);
   EXPECT_EQ(report.tables.front().damaged, 0);
   expect_nothing_left(folder / "d");
   EXPECT_TRUE(open_rescued(folder / "d", 1).empty());
-  // An empty file, and a database without tables.
+  // Tests an empty file, and a database without tables.
   testing::write_bytes(folder / "d/jobs.sqlite", "");
   expect_error(ErrorCode::kInput, {folder / "d/jobs.sqlite", "empty", "--new-ledger"},
                [&] { rescue_ledger(folder / "d"); });

@@ -366,7 +366,7 @@ TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
   EXPECT_EQ(problem, "the images have more than 2^28 texels together");
-  // One texel of 4^8 samples, with 2^8 images on each of 32 levels.
+  // This head claims one texel of 4^8 samples, with 2^8 images on each of 32 levels.
   std::vector<std::uint8_t> sums = {2, 1, 1, 8, 32};
   sums.insert(sums.end(), 8, 4);
   sums.insert(sums.end(), 32 * 9, 0);

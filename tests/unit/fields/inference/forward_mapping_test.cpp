@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kSide = 64;
 
-// The unit square with positions as texture coordinates; it fills a picture of kSide pixels except for `left`, which is
-// cut off.
+// Holds the unit square with positions as texture coordinates. It fills a picture of kSide pixels except for `left`,
+// which is cut off.
 struct Square {
   ObjectMesh mesh;
   ItemBuffer items;

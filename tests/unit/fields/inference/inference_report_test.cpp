@@ -32,7 +32,8 @@ using testing::TemporaryFolder;
 constexpr const char* kOddName = "<b>&\"";
 constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // as a browser serialises text
 
-// Two views and three lights; a vase with two layers, and an object with an odd name that no view sees.
+// Holds a job of two views and three lights, with a vase of two layers, and an object with an odd name that no view
+// sees.
 struct ReportScene {
   AnimationJob job;
   AnimationInferSettings settings;

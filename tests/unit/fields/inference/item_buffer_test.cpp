@@ -216,7 +216,7 @@ TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
 }
 
 TEST(ItemBufferTest, CoverageIsTheShareOfSubPixels) {
-  // Two adjacent pixels of 2 x 2 sub-pixels each.
+  // There are two adjacent pixels of 2 x 2 sub-pixels each.
   ItemBuffer items;
   items.width = 4;
   items.height = 2;

@@ -17,7 +17,7 @@ namespace {
 
 using Colour = std::array<float, 3>;
 
-// A picture with its objects' coverages; all pixels have one colour unless changed.
+// Holds a picture with its objects' coverages; all pixels have one colour unless changed.
 struct Picture {
   Picture(int w, int h, std::size_t object_count)
       : width(w),
@@ -48,7 +48,7 @@ void expect_near(const Colour& found, const Colour& expected, float tolerance) {
 
 constexpr Colour kRed{0.8f, 0.1f, 0.0f}, kBlue{0.1f, 0.2f, 0.9f}, kSky{0.3f, 0.6f, 0.7f};
 
-// Object 0 left of a slanted edge, object 1 right of it, and the background above.
+// Makes object 0 left of a slanted edge, object 1 right of it, and the background above.
 Picture two_flat_objects() {
   Picture picture(24, 20, 2);
   for (int y = 0; y < picture.height; ++y)
@@ -93,7 +93,7 @@ TEST(LayerSegmentationTest, WhollyCoveredPixelsKeepTheirBits) {
   EXPECT_EQ(colour_of(layers[0], picture.at(2, 15)), (Colour{0.123f, 0.456f, 0.789f}));
 }
 
-// Values near 0.5 with random coverages, so that all parts stay within 0..1.
+// Makes values near 0.5 with random coverages, so that all parts stay within 0..1.
 Picture random_picture(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> value(0.45f, 0.55f), share(0.0f, 1.0f);

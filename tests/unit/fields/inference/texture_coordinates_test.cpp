@@ -376,7 +376,7 @@ TEST(TextureMappingTest, TrianglesThatAreALineInTheTextureAreCountedAndHarmless)
   Views views(mesh);
   views.add(at_distance(distance_for(100.0)));
   const TextureMapping before = optimise_texture_mapping(mesh, views.views, settings_for());
-  // An extra triangle in front of the plane, with one texture coordinate at all corners.
+  // Adds a triangle in front of the plane, with one texture coordinate at all corners.
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const glm::vec3 p :
        {glm::vec3(-0.1f, 0.0f, 0.01f), glm::vec3(0.1f, 0.0f, 0.01f), glm::vec3(0.0f, 0.1f, 0.01f)}) {

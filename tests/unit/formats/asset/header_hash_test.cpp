@@ -22,7 +22,7 @@
 namespace multum::testing {
 namespace {
 
-// The place of an attribute of any part in the file's bytes.
+// Describes the place of an attribute of any part in the file's bytes.
 struct AttributePlace {
   int part;
   std::string name;

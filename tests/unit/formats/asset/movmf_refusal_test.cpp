@@ -48,7 +48,7 @@ class MovmfRefusalTest : public ::testing::Test {
     expect_error(ErrorCode::kInput, parts, [&] { read_movmf_mipmap(path); });
   }
 
-  // The good file with a flat level 0, except for one value of texel (5, 3).
+  // Makes the good file with a flat level 0, except for one value of texel (5, 3).
   std::string with_finest_texel(const std::string& channel, float value) const {
     Imf::MultiPartInputFile in(file_.good.c_str());
     std::vector<Imf::Header> headers;

@@ -162,7 +162,8 @@ TEST_P(QuantizeTest, EmptyLobesAreZero) {
   EXPECT_EQ(texels[0][2], glm::vec4(0));
 }
 
-// Relative change of the spread 1 - |r| of lobes of amplitude 1 and a given kappa: median and 95th percentile.
+// Holds the median and the 95th percentile of the relative change of the spread 1 - |r|, for lobes of amplitude 1 and a
+// given kappa.
 struct SpreadChange {
   double median, percentile_95;
 };

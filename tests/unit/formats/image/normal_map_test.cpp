@@ -531,7 +531,7 @@ TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
 }
 
-// A signed float map with each kind of hole at known places.
+// Makes a signed float map with each kind of hole at known places.
 class NormalRepair : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -30,7 +30,8 @@ EnvironmentMap make_map(int height, const Radiance& radiance) {
   return map;
 }
 
-// The coefficients of (s + 1) / (2 pi) t^s: a_0 = 1, a_1 = (s + 1) / (s + 2), a_l = a_(l-2) (s - l + 2) / (s + l + 1).
+// The coefficients of (s + 1) / (2 pi) t^s are a_0 = 1, a_1 = (s + 1) / (s + 2) and
+// a_l = a_(l-2) (s - l + 2) / (s + l + 1).
 TEST(FacetDistribution, ZonalCoefficientsOfBlinnPhongAreThoseOfItsRecurrence) {
   for (const float s : {1.0f, 12.0f, 100.0f, 1e5f}) {
     Brdf brdf;
