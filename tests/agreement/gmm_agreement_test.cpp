@@ -53,7 +53,7 @@ std::vector<glm::vec3> directions_above(unsigned seed) {
   return all;
 }
 
-// Returns values by [lobe][direction]. If the exponent s is 0, they are of Lambert's cosine.
+// Returns values by [lobe][direction]. An exponent s of 0 selects Lambert's cosine.
 std::vector<float> shade_gmm_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                     float s) {
   static Device device = Device::open("");

@@ -136,7 +136,7 @@ std::string terms_expression(const MultumHighlight& f) {
   return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
 }
 
-// Facets as sums of vMFs, with which a bake measures its error for GGX and other BRDFs
+// Tests facets as sums of vMFs, with which a bake measures its error for GGX and other BRDFs
 // (host/bakes/accuracy/highlight.h).
 TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   const Lobes set = test_lobes(43);

@@ -36,7 +36,7 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
   for (const char* line : {"4 von Mises-Fisher lobes", "colour", "64 x 64, 7 levels", "snorm16",
                            "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0",
-                           // Facts about the source:
+                           // The following facts are about the source.
                            "source format   png uint16, 3 channels", "read as         normal map, unsigned, green",
                            "because         length within", "wrap of source  periodic, periodic",
                            "albedo          png uint16, 3 channels, sRGB"})

@@ -97,7 +97,7 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  // The coarsest texel has few normals. It is binned by a team, or fitted in chunks, in 60 iterations.
+  // The coarsest texel has few normals. A team bins it, or it is fitted in chunks, in 60 iterations.
   write_maps("odd", normal_image(35, 31));  // coarse texels cover fractions of finer ones
   write_maps("odd_of_few", few_normals(35, 31));
   write_maps("even_of_few", few_normals(64, 32));

@@ -38,7 +38,7 @@ struct SceneCase {
                                  // difference, or almost 0
 };
 
-// Texts that a shader's code and active uniforms contain if, and only if, an effect is needed.
+// A shader's code and active uniforms contain these texts if, and only if, an effect is needed.
 struct EffectMark {
   const char *effect, *mark;
 };

@@ -20,7 +20,7 @@ class TerminalTest : public CliTest {
   void SetUp() override {
     if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals";
   }
-  // On a terminal no control character arrives, and the text around it does; a pipe gets the name itself.
+  // A terminal gets the text around a control character, but no control character. A pipe gets the name itself.
   void expect_shown(const std::vector<std::string>& arguments, int exit_code) const {
     const ProgramResult shown = run_on_terminal(multum_command(arguments));
     EXPECT_EQ(shown.exit_code, exit_code) << shown.out;

@@ -85,7 +85,7 @@ struct Sub {
   Hit hit;
 };
 
-// The sub-pixels of one view, row by row.
+// Holds the sub-pixels of one view, row by row.
 class View {
  public:
   View(const TracedScene& scene, int number) : scene_(scene), number_(number) {

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A triangle: positions, coordinates, indices.
+// Returns a triangle: positions, coordinates, indices.
 std::string buffer() {
   const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
   const std::uint16_t indices[] = {0, 1, 2, 0};

@@ -52,7 +52,7 @@ class GgxLobeTest : public testing::Test {
   std::optional<Texture> table_;
 };
 
-/// Angles from the lobe's mean and the solid angle of each ring; rings are denser near 0.
+/// Holds the angle from the lobe's mean and the solid angle of each ring. Rings are denser near 0.
 struct Rings {
   std::vector<double> angles, weights;
 };

@@ -26,10 +26,10 @@ struct ShaderHarnessInput {
   std::function<void(const ShaderProgram& program)> set_uniforms = {};  // also binds textures, from unit 3 on
 };
 
-/// The name by which edits refer to the text of all formulas.
+/// Edits refer to the text of all formulas by this name.
 constexpr char kGlslFormulas[] = "formulas";
 
-/// Evaluates the expression. The output is poisoned with NaN first, so that an element without a fragment shows.
+/// Evaluates the expression. The output is poisoned with NaN first, so that an element without a fragment is noticed.
 std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnessInput& input);
 
 }  // namespace multum::gl

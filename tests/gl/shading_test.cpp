@@ -161,7 +161,8 @@ TEST_F(ShadingTest, TorranceSparrowIsNearTheExactConvolution) {
       std::vector<double> exact;
       for (const Case& c : cases) exact.push_back(reference::convolved_vmf(kappa_f, kappa, c.theta));
       const std::vector<double> values = evaluate("multum_movmf_torrance_sparrow(a, b.xyz, b.w)", cases);
-      // The convolution of two broad lobes of similar width is not exactly a vMF: 3.2 % at sigma 0.2, kappa 5.
+      // The convolution of two broad lobes of similar width is not exactly a vMF; the error is 3.2 % at sigma 0.2 and
+      // kappa 5.
       EXPECT_LT(relative_l1(cases, values, exact), kappa == 5.0 ? 3.5 : 1.5) << "sigma " << sigma << " kappa " << kappa;
     }
 }

@@ -30,7 +30,7 @@ MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const
 }
 
 // Sums are pairwise along a row of up to 2^15 texels and compensated down the rows, with two roundings at the ends.
-// Each step has an error of some 2^-24 of the largest term that the texel covers.
+// Each step has an error of about 2^-24 of the largest term that the texel covers.
 constexpr double kMomentTolerance = 1.5e-6;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const MomentMipmap& baked) {
@@ -177,8 +177,8 @@ TEST(MomentClosedFormTest, AGrooveHasTheSquareOfItsSlope) {
 }
 
 // On a cap of a sphere around the pole, the slope at distance r from the pole is r / sqrt(1 - r^2). Over the disc of
-// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and that of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The square
-// around the disc is flat outside it. 256 texels across resolve the disc's edge to about 1 %.
+// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and the mean of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The
+// square around the disc is flat outside it. 256 texels across resolve the disc's edge to about 1 %.
 TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
   constexpr int kSize = 256;
   constexpr double kRadius = 0.9;

@@ -35,7 +35,7 @@ void PrintTo(const ChoiceCase& c, std::ostream* out) {
        << (c.order == MULTUM_ORDER_AGAIN ? ", again" : "");
 }
 
-// A level whose texels of colour (1, 0) are to be fitted; some texels of other colours are already fitted.
+// Holds a level whose texels of colour (1, 0) are to be fitted; some texels of other colours are already fitted.
 struct ChoiceLevel {
   ChoiceCase which;
   int parent_width, parent_height;
@@ -194,7 +194,7 @@ std::vector<glm::dvec3> covered(const ChoiceLevel& level, const std::vector<floa
 
 class MovmfChooseTest : public ::testing::TestWithParam<ChoiceCase> {};
 
-// Rounding moves a way's cost by some 1e-6 from the reference's cost, so either of two ways may win if their costs are
+// Rounding moves a way's cost by about 1e-6 from the reference's cost, so either of two ways may win if their costs are
 // closer than this. Whichever way wins, lobes are the means of their normals.
 TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
   const ChoiceCase c = GetParam();

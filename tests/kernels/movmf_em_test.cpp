@@ -60,7 +60,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 class MovmfEmTest : public ::testing::TestWithParam<Case> {};
 
-// The reasons for the tolerances: one E-step in single precision has an error of some 1e-6 in each sum. Over 4
+// The reasons for the tolerances: one E-step in single precision has an error of about 1e-6 in each sum. Over 4
 // iterations on these maps, EM amplifies differences by less than 10. Hence 2e-5 would be enough; the bound is 1e-4 for
 // (a r, a). For one lobe in 200, which may compete evenly with another lobe, the bound is 1e-2.
 TEST_P(MovmfEmTest, EqualsReference) {
@@ -143,7 +143,8 @@ double difference(const MultumVmfLobe& lobe, const reference::Moments& expected)
   return std::max(std::abs(a - expected.amplitude), glm::length(a * r - expected.amplitude * expected.r));
 }
 
-// The part of r whose sum over a texel's lobes does not depend on the shares; for Gaussians it includes E[x^2 + y^2].
+// Returns the part of r whose sum over the lobes of a texel does not depend on the shares. For Gaussians this part
+// includes E[x^2 + y^2].
 glm::dvec3 kept_by_shares(const glm::dvec3& r, Representation representation) {
   return representation == kGmm ? glm::dvec3(r.x, r.y, 2.0 * r.z + r.x * r.x + r.y * r.y) : r;
 }
@@ -182,7 +183,7 @@ class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
 };
 
 // Binned texels lose only the place of a normal within its cell, so 4 iterations end close to the reference, which uses
-// every normal. A cell is 1/31 of the mean extent, and a lobe about a quarter. This blurs a lobe by some 1/100 of its
+// every normal. A cell is 1/31 of the mean extent, and a lobe about a quarter. This blurs a lobe by about 1/100 of its
 // spread, and moves the share of two competing lobes by less. Each texel's mean normal is exact.
 TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;

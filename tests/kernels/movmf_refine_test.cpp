@@ -65,8 +65,8 @@ double weight_of(const RefinedTexel& texel) {
   return total;
 }
 
-// A place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left, right,
-// above, below. In a level that repeats, all four exist.
+// Describes a place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left,
+// right, above, below. In a level that repeats, all four exist.
 struct Place {
   int width, height, x, y;
   bool repeats;
@@ -160,7 +160,7 @@ double difference(const std::vector<MultumVmfLobe>& found, const std::vector<ref
   return most;
 }
 
-// A step in single precision has an error of some 1e-6 (sums of up to 300 samples) and of 3e-5 of kappa
+// A step in single precision has an error of about 1e-6 (sums of up to 300 samples) and of 3e-5 of kappa
 // (kappa_of_mean_length). These errors add up over damped steps. Near the minimum of the energy, one side may accept a
 // step that the other side rejects.
 TEST(MovmfRefineTest, EqualsReference) {
@@ -232,7 +232,7 @@ TEST(MovmfRefineTest, HardCases) {
       {{{{1.0, 0.0, 0.0}, 1.0}, {{-1.0, 0.0, 0.0}, 1.0}}, {{{0.0, 0.0, 0.0}, 0.5}, {{0.0, 0.0, 0.0}, 0.5}}, {}},
       {{{up, 1.0}}, {{up, 0.5}, {0.3 * tilted, 0.5}}, {}},
       {{{{0.0, 1.0, 0.0}, 1.0}, {{0.0, -1.0, 0.0}, 3.0}}, {{{0.0, 0.9, 0.0}, 0.25}, {{0.0, -0.9, 0.0}, 0.75}}, {}}};
-  // The same texels next to a flat texel, and next to an opposite one, so that pooled lobes have no direction.
+  // Refines the same texels next to a flat texel, and next to an opposite one, so that pooled lobes have no direction.
   for (std::size_t i = 0, count = texels.size(); i < count; ++i) {
     texels.push_back(texels[i]);
     texels.back().beside = {{{up, 1.0}, {up, 0.0}}, texels[i].lobes};

@@ -100,7 +100,7 @@ reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   return lobe;
 }
 
-// EM in float and EM in double converge to the same place; rounding moves each step by some 1e-6 of the lobe's width,
+// EM in float and EM in double converge to the same place; rounding moves each step by about 1e-6 of the lobe's width,
 // including sums of 1024 terms. The rounder a lobe is, the less certain its axis is.
 constexpr double kTolerance = 2e-4;
 

@@ -88,7 +88,8 @@ TEST_P(MipBoxTest, BandsOfAnyHeightAreTheSameBytes) {
   EXPECT_GT(bakes, 3);
 }
 
-// Tests the longest possible column. A plain float sum of its 32768 numbers near 0.1 has a relative error of some 1e-4.
+// Tests the longest possible column. A plain float sum of its 32768 numbers near 0.1 has a relative error of about
+// 1e-4.
 TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   const BoxMap map = {1, 32768, 1, 0};
   std::vector<float> column;
@@ -140,7 +141,7 @@ std::vector<reference::DistantLight> reference_lights(const ReflectanceJob& job)
 }
 
 // Compares with the same normals in double. The remaining error is the rounding of the cosine times the exponent s. At
-// the foot of a lobe it is 1.2e-7 s of the value, which is some 1e-6 of the lobe's peak for every s.
+// the foot of a lobe it is 1.2e-7 s of the value, which is about 1e-6 of the lobe's peak for every s.
 TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   for (const float exponent : {1.0f, 30.0f, 1000.0f, 1e5f}) {
     const ReflectanceJob job = job_of(exponent, 37);

@@ -36,7 +36,7 @@ glm::dvec3 normal(const NormalMap& map, std::size_t i) {
   return {static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])};
 }
 
-// At order 20 the basis is within 1e-5 of its bound (selftest); averaging adds some 2^-24 per step.
+// At order 20 the basis is within 1e-5 of its bound (selftest); averaging adds an error of about 2^-24 per step.
 constexpr double kShTolerance = 1e-5;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const ShMipmap& baked) {

@@ -14,7 +14,7 @@ import { lowContrasts } from "../service/page_contrast.mjs";
 const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
-// A small window, because drawing a picture takes long on a processor.
+// The window is small, because drawing a picture takes long on a processor.
 const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240, height: 600, ...more });
 mkdirSync(screenshots, { recursive: true });
 // The limit is in units of 1/255. multum look's page has lobes in BC5 and 8-bit normals, whereas the decoded file has
@@ -84,7 +84,7 @@ try {
   refused("is not the file that other.ndf.exr was baked from", "other.ndf.exr", "--source", "map_normal.png",
     "--same-source");
 
-  // A page of two maps: the list chooses one, and the address keeps the choice.
+  // On a page of two maps, the list chooses one, and the address keeps the choice.
   const both = await open("both.html");
   assert.match(await factsOf(both), /96 x 96, 2 lobes/);
   assert.deepEqual(await both.locator("#map option").allTextContents(), ["other.ndf.exr", "map.ndf.exr"]);

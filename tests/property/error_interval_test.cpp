@@ -52,7 +52,8 @@ std::vector<AccuracyRow> measure(const Baked& baked, std::int64_t samples_per_le
   return measure_accuracy(test_device(), baked.mipmap, baked.map, settings, nullptr);
 }
 
-// Noise that gets steeper along the short side: the cells at the border, which are cut off, differ from the others.
+// Makes noise that gets steeper along the short side. The cells at the border, which are cut off, differ from the
+// others.
 NormalMap thin_map(int length, int thickness, bool upright) {
   std::mt19937 random(5);
   const auto normal = [&](int along, int across) {

@@ -34,7 +34,7 @@ NormalMap tilted_map(double degrees) {
   });
 }
 
-// Directions spread evenly over the upper hemisphere: a spiral by the golden angle.
+// Returns directions spread evenly over the upper hemisphere, in a spiral by the golden angle.
 std::vector<glm::dvec3> hemisphere(int count) {
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < count; ++i) {

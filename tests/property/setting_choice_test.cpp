@@ -191,8 +191,8 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   return maps;
 }
 
-// Returns a number of successes out of `count`, each with a probability of 95 %. By a binomial sum, chance gives fewer
-// successes only once in 10,000 times.
+// Returns the number of successes out of `count` that chance misses only once in 10,000 times, if each success has a
+// probability of 95 %. The number comes from a binomial sum.
 int least_held(int count) {
   double below = 0.0;
   for (int held = 0; held < count; ++held) {
@@ -203,7 +203,7 @@ int least_held(int count) {
   return count;
 }
 
-// The measured footprints of a map stand for all of its footprints. Errors in units of the standard error have a mean
+// The measured footprints of a map represent all of its footprints. Errors in units of the standard error have a mean
 // square of 1 if the interval is right, and less if evenly spread footprints know more than the interval assumes.
 // Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean square also finds
 // intervals that are one and a half times too wide. `multum-bench coverage` has every real map and setting.

@@ -28,8 +28,8 @@ namespace {
 
 using testing::test_device;
 
-// A rearranged map: its texel (x, y) is the texel at place(x, y, size) of the map or of a level with that size, with
-// rotated vectors. Rows go down; y of normals goes up.
+// Describes a rearranged map. Its texel (x, y) is the texel at place(x, y, size) of the map or of a level with that
+// size, with rotated vectors. Rows go down; y of normals goes up.
 struct Layout {
   const char* name;
   std::function<PlaneSize(PlaneSize)> size;
@@ -94,8 +94,8 @@ glm::dvec4 lobe_sum(const MovmfLevel& level, std::size_t texel) {
   return sum;
 }
 
-// The largest difference, over the levels that both pyramids have, between properties that do not depend on the layout,
-// or (from level 1 up) between lobes.
+// Holds the largest difference, over the levels that both pyramids have, between properties that do not depend on the
+// layout, or (from level 1 up) between lobes.
 struct Differences {
   double finest = 0.0, mean = 0.0, energy = 0.0, lobes = 0.0;
 };
@@ -134,7 +134,7 @@ AccuracySettings settings_for(const Layout& layout) {
   return settings;
 }
 
-// The difference of errors at texel centres in the levels that both pyramids have.
+// Holds the difference of errors at texel centres in the levels that both pyramids have.
 struct ErrorDifference {
   double most = 0.0;           // largest difference, absolute
   double most_of_error = 0.0;  // largest difference relative to the error, where that is above 1 %

@@ -89,7 +89,8 @@ class JobFilesTest(ClientCase):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
         root = os.fsencode(service.root)
-        # A name that is not UTF-8, a valid name equal to its escaped text, and a name with a character of the escape.
+        # Tests a name that is not UTF-8, a valid name equal to its escaped text, and a name with a character of the
+        # escape.
         for name, text in ((b"caf\xe9", "caf\uefe9"), ("caf\uefe9".encode(), "caf\uefee\uefbf\uefa9"),
                            ("\u4e2d".encode(), "\u4e2d")):
             with self.subTest(name=name):

@@ -121,7 +121,7 @@ def main():
     os.makedirs(arguments.screenshots, exist_ok=True)
     folder = tempfile.mkdtemp()
     driver = Driver(os.path.abspath(arguments.multum), folder)
-    # A temporary HOME: Chromium writes there, and the user who runs the tests may have no writable home.
+    # HOME is temporary, because Chromium writes there, and the user who runs the tests may have no writable home.
     environment = dict(os.environ, HOME=folder)
     try:
         with subprocess.Popen(["node", os.path.join(HERE, "web_test.mjs"), browser(),

@@ -20,7 +20,7 @@ namespace {
 
 const std::string kModules = MULTUM_SOURCE_DIR "/tests/service/web/node_modules/";
 
-// A level of a texture, four values per texel.
+// Holds a level of a texture, four values per texel.
 using Texels = std::vector<float>;
 
 class ExportEnginesTest : public CliTest {
@@ -177,7 +177,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
       }
     EXPECT_LT(error / static_cast<float>(orm.width * orm.height), 0.02f) << "level " << l;
   }
-  // Roughness as a texture of its own.
+  // Here roughness is a texture of its own.
   expect_done("alone", {"--roughness", path("maps.png"), "--roughness-alone", "--smoothness"});
   const Picture orm = image("orm", "orm", 1, "png"), alone = image("alone", "smoothness", 1, "png");
   for (int x = 0; x < alone.width; ++x) EXPECT_NEAR(alone.at(x, 2, 0), 1.0f - orm.at(x, 2, 1), 1e-6f);

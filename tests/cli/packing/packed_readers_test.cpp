@@ -41,7 +41,8 @@ std::vector<ChunkKind> all_kinds() {
     kinds.push_back({width, height, std::move(sizes), settings});
     return kinds.back().settings;
   };
-  // Magnitudes up to some thousands, odd sizes and single rows; coarse images whose planes and bands are empty.
+  // Makes magnitudes up to some thousands, odd sizes and single rows, and coarse images whose planes and bands are
+  // empty.
   add(21, 9, {3, 2}, ImageCoder::kDct, 8, 0.01).levels = plain_levels({3, 2});
   add(40, 19, {5}, ImageCoder::kDct, 16, 2.0).levels = {{3}, {1}, {0}};
   kinds.back().settings.linear = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environments with known exact results, for the numerical cases of light/ and surface/.
+// Defines environments with known exact results, for the numerical cases of light/ and surface/.
 #pragma once
 
 #include <string>

@@ -27,7 +27,7 @@ struct GlslCase {
 
 const std::vector<GlslCase>& glsl_cases();
 
-/// Values of a and b at which an expression is evaluated.
+/// Holds values of a and b at which an expression is evaluated.
 using GlslInputs = std::vector<std::pair<glm::vec4, glm::vec4>>;
 
 /// Evaluates the expression, a vec4 of a and b, at each input; `variant` adds flags, formulas, uniforms and a texture.

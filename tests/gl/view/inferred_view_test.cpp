@@ -275,8 +275,8 @@ Floats read_floats(const std::string& path) {
   return floats;
 }
 
-// Two samples; the board has moved in the second. The waves have two layers in the first sample. The board has no
-// texture in the second sample.
+// There are two samples; the board has moved in the second. The waves have two layers in the first sample. The board
+// has no texture in the second sample.
 class InferredPictureTest : public InferredViewTest {
  protected:
   void SetUp() override {

@@ -452,7 +452,7 @@ TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {
   expect_refusal({"pyramid", path("h.exr")}, 3, {"h.exr", "pyramid of heights", "colours or reflected light"});
 }
 
-// Two triangles of two materials; only one has a map.
+// Draws two triangles of two materials, of which only one has a map.
 TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
   write_movmf_mipmap(path("map.ndf.exr"), gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false).mipmap, {});
   const std::string positions =

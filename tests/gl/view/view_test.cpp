@@ -69,8 +69,7 @@ TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   EXPECT_EQ(other["pixel_filter"], "tent");
   EXPECT_EQ(report_of({"--samples", "4", "--anisotropy", "1"})["filter"],
             (nlohmann::json{{"of", "driver"}, {"anisotropy", 1.0}}));
-  // Nearest texels leave only the baked texels' own error, with any number of taps. On this map they have almost no
-  // error.
+  // Nearest texels leave only the baked texels' own error, with any number of taps. On this map, that error is 0.
   const auto error = [](const nlohmann::json& report) { return report["pictures"][1]["relative_l1"].get<double>(); };
   EXPECT_LT(error(report_of({"--samples", "1024", "--reference-of", "texels", "--taps", "8"})), 0.03);
 }
@@ -211,7 +210,7 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
     EXPECT_EQ(report["brdf"], "roughness-map");
     EXPECT_FALSE(report.contains("exponent"));
   }
-  // Far away, alternating roughnesses of 0.3 and 0.7 average to 0.5: alpha^2 = 1/16, c = 31/32.
+  // Far away, alternating roughnesses of 0.3 and 0.7 average to 0.5, which gives alpha^2 = 1/16 and c = 31/32.
   gl::TestMap varied = plain;
   varied.mipmap.header.has_roughness = true;
   varied.mipmap.header.mean_cosine = 0.94f;

@@ -152,7 +152,7 @@ TEST(FootprintErrors, AreARatioWithItsInterval) {
   const std::vector<ErrorSum> sums = {{2.5, 5.0, 1.0}, {1.1, 5.0, 1.0}, {1.5, 5.0, 1.0}, {0.9, 5.0, 1.0}};
   const FootprintError error = footprint_error(AccuracyBrdf::lambert(), footprints, sums);
   EXPECT_DOUBLE_EQ(error.error, 0.3);
-  // Sums of squares about the octaves' means, 2 0.7^2 and 2 0.3^2, times n / (n - 1) = 2.
+  // The sums of squares about the octaves' means are 2 0.7^2 and 2 0.3^2, times n / (n - 1) = 2.
   EXPECT_NEAR(error.confidence, 1.96 * std::sqrt(2.0 * (2.0 * 0.49 + 2.0 * 0.09)) / 20.0, 1e-12);
   EXPECT_EQ(error.worst_octave, 0);
   EXPECT_DOUBLE_EQ(error.worst_octave_error, 0.36);

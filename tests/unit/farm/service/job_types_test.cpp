@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the types of jobs that multum registers: what their rows let jobs accept and refuse.
+// Tests the types of jobs that multum registers, and what jobs accept and refuse because of their rows.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -142,7 +142,7 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
     if (::testing::Test::HasFailure()) return;
   }
   RecordProperty("least_saved", static_cast<int>(least));
-  // A page holds some 20 jobs. Damage to the root page of all jobs would lose everything. It is one page in hundreds,
+  // A page holds about 20 jobs. Damage to the root page of all jobs would lose everything. It is one page in hundreds,
   // and this seed avoids it.
   EXPECT_GT(sum, before.size() * kTries * 9 / 10);
 }

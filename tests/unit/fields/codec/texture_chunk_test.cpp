@@ -361,7 +361,7 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
 }
 
 TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
-  // 16384 x 16384 texels of 65536 samples: the head would make a decoder allocate petabytes.
+  // With 16384 x 16384 texels of 65536 samples, the head would make a decoder allocate petabytes.
   const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);

@@ -138,8 +138,8 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
 }
 
 TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
-  // Triangles around a centre, with all corners on pixel centres, in an orthographic picture. If each triangle is drawn
-  // separately, each inner pixel belongs to exactly one of them.
+  // Draws triangles around a centre, with all corners on pixel centres, in an orthographic picture. If each triangle is
+  // drawn separately, each inner pixel belongs to exactly one of them.
   constexpr int kSize = 64, kSpokes = 16;
   const glm::dmat4 projection = glm::ortho(0.0, double{kSize}, double{kSize}, 0.0, -1.0, 1.0);  // y downwards
   std::mt19937 random(3);

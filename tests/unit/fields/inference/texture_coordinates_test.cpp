@@ -289,7 +289,7 @@ TEST(TextureMappingTest, PerspectivePlanesHoldTheThresholdAtEveryPixel) {
 }
 
 TEST(TextureMappingTest, OnlyWhatIsVisibleTakesTexels) {
-  // Head-on from near, the plane is four times as wide as the screen.
+  // Seen head-on from near, the plane is four times as wide as the screen.
   const ObjectMesh mesh = plane(1, {1.0, 1.0});
   Views views(mesh);
   views.add(at_distance(distance_for(640.0)));

@@ -101,7 +101,7 @@ TEST_F(PlaybackTest, ImagesAddUpToTheTexturesOfEverySample) {
 TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
   PackedFieldFile file(path());
   const auto playback = open();
-  // Between views 3 and 4, where the ground's blocks meet; the board keeps its size.
+  // The point is between views 3 and 4, where the ground's blocks meet. The board keeps its size.
   playback->begin_frame(sample_shares(description_.grid, {3.25, 1.5}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   for (const std::size_t l : {1u, 2u}) {

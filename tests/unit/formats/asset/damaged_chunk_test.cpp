@@ -81,8 +81,8 @@ class DamagedChunkTest : public ::testing::TestWithParam<const char*> {
 
 INSTANTIATE_TEST_SUITE_P(Compressions, DamagedChunkTest, ::testing::Values("none", "rle", "zips", "zip:1", "piz"));
 
-// Parts: the finest level, two lobes, two colours. In part 1, chunk 2 is tile (0, 0) of level 2, since level 1 has two
-// tiles.
+// The parts are the finest level, two lobes and two colours. In part 1, chunk 2 is tile (0, 0) of level 2, since level
+// 1 has two tiles.
 constexpr char kPlace[] = "part lobe.0, level 2, tile (0, 0)";
 
 TEST_P(DamagedChunkTest, SizesThatCannotBe) {

@@ -215,7 +215,7 @@ TEST_P(GmmQuantizeTest, AmplitudesSumToOneAndRoundingTwiceChangesNothing) {
     }
 }
 
-// Level 0 in integers, as docs/reference/file_format.md defines it.
+// Tests level 0 in integers, as docs/reference/file_format.md defines it.
 TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   std::mt19937 random(23);
   for (int n = 0; n < 2000; ++n) {

@@ -234,7 +234,7 @@ double highlight_peak(const std::vector<glm::dvec4>& lobes, double kappa_f) {
 }
 
 TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetweenThem) {
-  // Roughness 0.1: alpha = 0.01, kappa_f = 2 / alpha^2.
+  // A roughness of 0.1 gives alpha = 0.01 and kappa_f = 2 / alpha^2.
   constexpr double kKappaF = 20000.0;
   const double exact = highlight_peak({{0.0, 0.0, 1.0, 1.0}}, kKappaF);
   EXPECT_NEAR(exact, kKappaF / (2.0 * std::numbers::pi), 1e-6 * exact);

@@ -94,7 +94,7 @@ TEST(HeightField, WrapModesAtTheBorder) {
     EXPECT_NEAR(slopes(map, 3, 0).first, expected.second, 1e-5) << wrap_mode_name(mode);
     EXPECT_NEAR(slopes(map, 0, 0).second, 0.0, 1e-6) << wrap_mode_name(mode);
   }
-  // The same along t: a column, where upwards is opposite to the order of rows.
+  // Tests the same along t, in a column, where upwards is opposite to the order of rows.
   const TestImage column = height_image(1, 4, [](int, int y) { return 1.0 + y * y; });
   NormalMapSettings settings;
   settings.wrap_s = WrapMode::kClamp;

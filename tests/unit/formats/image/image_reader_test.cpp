@@ -19,7 +19,7 @@ namespace {
 
 using OIIO::TypeDesc;
 
-// An image as it was read: planes of floats.
+// Holds an image as it was read: planes of floats.
 struct RawPicture : RawImageInfo {
   std::vector<std::vector<float>> planes;
 };
@@ -177,7 +177,7 @@ class TiffBytes {
   std::size_t link_ = 4, picture_ = 8;
 };
 
-// Arguments: bits per sample, their type (1 unsigned, 2 signed, 3 floats), and the meaning of 0.
+// The arguments are the bits per sample, their type (1 unsigned, 2 signed, 3 floats), and the meaning of 0.
 std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::uint64_t photometric,
                       std::vector<TiffBytes::Entry> more = {}) {
   TiffBytes tiff(is_big_endian);
@@ -320,7 +320,7 @@ TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   }
 }
 
-// GeoTIFF: a texel size in metres gives the scale of heights in metres; degrees and feet give none.
+// In a GeoTIFF, a texel size in metres gives the scale of heights in metres; degrees and feet give none.
 TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
   const TemporaryFolder folder;
   const auto with_keys = [&](bool is_big_endian, std::vector<std::uint64_t> keys) {

@@ -184,7 +184,7 @@ TEST_F(Ktx2ImageTest, Refusals) {
   expect_error(ErrorCode::kInput, {path_, "cut"}, [&] { open_library_image(path_, {}); });
 }
 
-// A texture as multum gltf --format rgba8 writes it, and one inside KHR_texture_basisu.
+// Tests a texture as multum gltf --format rgba8 writes it, and one inside KHR_texture_basisu.
 TEST_F(Ktx2ImageTest, MaterialsOfModels) {
   Ktx2Parts parts;
   parts.level.assign(60, 'x');

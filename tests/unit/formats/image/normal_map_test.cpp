@@ -44,7 +44,7 @@ struct EncodingCase {
   TypeDesc::BASETYPE type;
   bool is_signed;
   double green_sign;
-  double tolerance;  // on unit vectors: the quantum, or the compression's error
+  double tolerance;  // for unit vectors: the quantum, or the error of the compression
 };
 
 class NormalEncoding : public ::testing::TestWithParam<EncodingCase> {};

@@ -43,7 +43,7 @@ std::array<float, 3> unit(float x, float y, float z) {
   return {x / length, y / length, z / length};
 }
 
-// A pattern of 5 x 7 values, repeated until each value has had each point once.
+// Returns a pattern of 5 x 7 values, repeated until each value has had each point once.
 constexpr int kPatternWidth = 5, kPatternHeight = 7, kTiledWidth = 20, kTiledHeight = 28;
 
 std::vector<double> pattern() {

@@ -194,7 +194,7 @@ TEST(HalfVectorLight, OfConstantLight) {
   for (const glm::dvec3 v : {glm::dvec3(0.0, 1.0, 0.0), glm::normalize(glm::dvec3(1.0, -0.3, 0.4))}) {
     const std::vector<glm::dvec3> light = half_vector_light(white, v);
     EXPECT_NEAR(light[0].x, 8.0 * std::numbers::pi / 3.0 * std::sqrt(0.25 / std::numbers::pi), 5e-3);
-    // l = 1: 4 times the integral of c^3 over the hemisphere is 2 pi, along v.
+    // For l = 1, 4 times the integral of c^3 over the hemisphere is 2 pi, along v.
     const double along = std::sqrt(0.75 / std::numbers::pi) * 2.0 * std::numbers::pi;
     EXPECT_NEAR(light[3].x, along * v.x, 0.02);
     EXPECT_NEAR(light[2].x, along * v.z, 0.02);

@@ -191,7 +191,7 @@ TEST_F(ImageDecodingTest, NoDecoderIsAnErrorOfTheMachine) {
                [&] { read_picture(write("a.png", normal_image(8, 8))); });
 }
 
-// Answers that none of our decoders gives.
+// None of our decoders gives these answers.
 TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
   ImagePart part;
   part.width = part.height = part.full_width = part.full_height = 8;

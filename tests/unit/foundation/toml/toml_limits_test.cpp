@@ -154,7 +154,7 @@ TEST_F(TomlLimitsTest, TheDeepestArraysOfTablesAreReadOnASmallStack) {
   });
 }
 
-// Documents that once crashed programs or took a gigabyte.
+// Tests documents that once crashed programs or took a gigabyte.
 TEST_F(TomlLimitsTest, AreHeldFarBeyondThemToo) {
   expect_refused("b = 1\n" + dotted(32'000) + " = 1\n", 2, {"dotted key", "32"});
   expect_refused("[" + dotted(500'000) + "]\n", 1, {"32"});
