@@ -134,9 +134,9 @@ struct ExactInput {
 
 // Returns the allowed error of floats: the change of the exact value when the inputs change by kRoundings float
 // roundings each, because every operation rounds once. The error of a product of slopes is relative to the product,
-// however much of it cancels later, and GLSL computes the half vector's z as the root of 1 - x^2 - y^2. The exponential
-// adds 1e-5 of the value, as exp2 has for large arguments. Results that underflow are negligible compared with a peak.
-// The measured error is a third of the error that kRoundings = 8 allows.
+// even if most of the product cancels later. GLSL computes the half vector's z as the root of 1 - x^2 - y^2. The
+// exponential adds 1e-5 of the value, as exp2 has for large arguments. Results that underflow are negligible compared
+// with a peak. The measured error is a third of the error that kRoundings = 8 allows.
 double tolerance(const ExactInput& exact, double s, int shading) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact.value(s, shading), z = exact.h.z;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of smaller files and texts of this project: filter matrices, requests to the probe, the list of
-// inferred textures, settings in headers, results of cases, "FILE:CHANNEL".
+// Fuzzes readers of smaller files and texts: filter matrices, requests to the probe, the list of inferred textures,
+// settings in headers, results of cases, and "FILE:CHANNEL".
 #include "host/fields/inferred/filter_matrix.h"
 #include "host/fields/inferred/inferred_texture.h"
 #include "host/fields/inferred/probe_request.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes meshes of glTF, whole and by object, as multum-decode reads them; multum-decode's answers, as its client reads
-// them; and materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten times as long as
-// everything here.
+// Fuzzes meshes of glTF, whole and by object, as multum-decode reads them. Also fuzzes multum-decode's answers, as its
+// client reads them, and materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten
+// times as long as everything here.
 #include <fmt/format.h>
 
 #include <algorithm>

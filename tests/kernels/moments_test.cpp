@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/moments.cl with averages in double, for sizes that nest and sizes that do not, with bands of any
-// height.
+// Compares kernels/moments.cl with averages in double. Sizes nest or do not nest, and bands have any height.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/sh_project.cl, run with mip_box.cl, against averages of the basis in double, for sizes that nest and
-// sizes that do not, with bands of any height. host/lab/selftest/sh_cases.cpp has numerical cases of both kernels.
+// Compares kernels/sh_project.cl, run with mip_box.cl, with averages of the basis in double. Sizes nest or do not nest,
+// and bands have any height. host/lab/selftest/sh_cases.cpp has numerical cases of both kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -115,8 +115,8 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
   test_device().set_shape(LaunchShape::of(test_device().info()));
 }
 
-// Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike: the kernels prefer no
-// axis beyond the rounding of sums in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
+// Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike. The kernels prefer no
+// axis, except that sums are rounded in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
 // lobes may be equally good, and either may win. Start candidates of almost equal quality may also change places with
 // the rounding, so this test searches no start.
 void expect_lobes_turn(MovmfSettings settings) {

@@ -204,9 +204,10 @@ int least_held(int count) {
 }
 
 // The measured footprints of a map represent all of its footprints. Errors in units of the standard error have a mean
-// square of 1 if the interval is right, and less if evenly spread footprints know more than the interval assumes.
-// Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean square also finds
-// intervals that are one and a half times too wide. `multum-bench coverage` has every real map and setting.
+// square of 1 if the interval is right. The mean square is lower if evenly spread footprints know more than the
+// interval assumes. Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean
+// square also finds intervals that are one and a half times too wide. `multum-bench coverage` has every real map and
+// setting.
 TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
   constexpr int kSize = 64, kSeeds = 60, kFew = 48;
   int held_of_all = 0, all = 0;

@@ -39,7 +39,8 @@ class JobFilesTest(ClientCase):
         with open(alone, "rb") as one, open(self.output("a.ndf.exr"), "rb") as other:
             self.assertEqual(one.read(), other.read())
         self.assertIn("written", self.client("tail", "1"))
-        # An identical submission is the same job; with another output it is a copy; with a changed map it is a new job.
+        # An identical submission is the same job. With another output it is a copy, and with a changed map it is a new
+        # job.
         again = {"type": "bake", "parameters": {"input": source, "lobes": 2}, "output": self.output("a.ndf.exr")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("b.ndf.exr")))
@@ -226,8 +227,8 @@ class JobFilesTest(ClientCase):
         self.assertEqual(service.ask("GET", "/v1/jobs/2/result"), (200, data))
         with open(self.output("unpacked/inferred.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["geometry"], geometry)
-        # An identical submission is the same job; with another output it is a copy; with another texture it is a new
-        # job.
+        # An identical submission is the same job. With another output it is a copy, and with another texture it is a
+        # new job.
         again = {"type": "pack", "parameters": {"manifest": manifest, "lambda": 20}, "output": self.output("field.mpt")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("copy.mpt")))

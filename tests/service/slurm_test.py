@@ -39,7 +39,7 @@ visible_s = 0.5
 {more}
 """
 # This is a wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has
-# accepted a job, or answers with the number of another user's job.
+# accepted a job. On request, it also answers with the number of another user's job.
 SBATCH = """#!/bin/sh
 if [ -e {flag}.other ]; then
   rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the ledger of jobs without a daemon: the order of jobs, who may report on a job, the results of failures, and
-// the state that a killed process leaves.
+// Tests the ledger of jobs without a daemon: the order of jobs, permission to report on a job, the results of failures,
+// and the state that a killed process leaves.
 #include "host/farm/service/ledger/job_queue.h"
 
 #include <gtest/gtest.h>

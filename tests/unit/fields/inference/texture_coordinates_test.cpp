@@ -44,8 +44,8 @@ ObjectMesh plane(int cells, glm::dvec2 uv_size, double uv_angle = 0.0) {
   return mesh;
 }
 
-// Makes a cylinder around the y axis: radius 1, y from -1 to 1. u runs once around from `u_start`; at u_start = 0 the
-// seam faces +z.
+// Makes a cylinder around the y axis: radius 1, y from -1 to 1. The coordinate u runs once around from `u_start`; at
+// u_start = 0 the seam faces +z.
 ObjectMesh cylinder(int sides, double u_start) {
   ObjectMesh mesh;
   for (int i = 0; i <= sides; ++i)

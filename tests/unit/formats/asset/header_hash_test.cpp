@@ -115,8 +115,8 @@ class HeaderHashTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-// Half of the mutants change a byte of any attribute's value, a quarter any byte of the headers, and a quarter a byte
-// of an attribute's name, type or size.
+// Half of the mutants change a byte of an attribute's value. A quarter change any byte of the headers, and a quarter
+// change a byte of an attribute's name, type or size.
 std::string mutant(const std::string& whole, const std::vector<AttributePlace>& places, SplitMix64& random) {
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random.next() % count); };
   const AttributePlace& place = places[below(places.size())];

@@ -112,8 +112,8 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   expect_refused({"sizes.exr", "2 x 2 at (0, 0)", "4 x 4"}, [&] { exr_channel_names(sizes); });
 }
 
-// Identifiers follow the public test vectors of MurmurHash3. The names are those in Blender's manifests (their lengths
-// leave tails of 0, 1 and 3 bytes), and names whose hashes have an exponent of all ones or zeros.
+// Identifiers follow the public test vectors of MurmurHash3. Some names are from Blender's manifests, with lengths that
+// leave tails of 0, 1 and 3 bytes. Other names have hashes with an exponent of all ones or zeros.
 const std::uint32_t kWalls = 0x0810d53du, kVase = 0x6aaa21aau, kParfait = 0xb007361bu;
 
 ExrPart cryptomatte_part() {

@@ -191,8 +191,8 @@ std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::u
   return tiff.bytes();
 }
 
-// MinIsWhite is inverted once for integers of every size; MinIsBlack is not inverted; types without a black value are
-// refused.
+// MinIsWhite is inverted once for integers of every size, and MinIsBlack is not inverted. Types without a black value
+// are refused.
 TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
