@@ -20,8 +20,8 @@ export class RangeServer {
   }
 
   /**
-   * Serves the folder `of` as /NAME/, with `files` instead of its own. `behave(file, count)`, with the number of
-   * earlier requests of that file, returns { cut: bytes after which the connection ends, noRanges, status }.
+   * Serves the folder `of` as /NAME/, with `files` instead of its own. `behave(file, count)` gets the number of earlier
+   * requests of that file. It returns { cut: bytes after which the connection ends, noRanges, status }.
    */
   copy(name, of, files = {}, behave = () => ({})) {
     this.copies.set(name, { of, files, behave, counts: new Map() });

@@ -18,9 +18,9 @@ export function moved(view, { motion, step }) {
 const EDGE = 3; // in units of 1/255; where a floor differs more from its reference, there is an edge
 
 /**
- * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker`: the mean over
- * neighbours in time of sum |(f' - f) - (t' - t)| / sum t. `jump`: the largest change of a colour beyond that of its
- * reference, of 255 in sRGB, where there are no edges.
+ * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker` is the mean over
+ * neighbours in time of sum |(f' - f) - (t' - t)| / sum t. `jump` is the largest change of a colour beyond the change
+ * of its reference, in 1/255 of sRGB, where there are no edges.
  */
 export function changes(frames, references, floors) {
   let [flicker, jump] = [0, 0];
