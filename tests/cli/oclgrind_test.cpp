@@ -137,7 +137,7 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});
 
-  // Adds the kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
+  // Adds the kernels that only tests launch, and the kernels of texture inference. oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");
   const std::string programs = MULTUM_BIN_DIR;
   for (const std::vector<std::string>& command :

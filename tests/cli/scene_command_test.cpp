@@ -192,7 +192,7 @@ class SceneCommandTest : public CliTest {
     hold_picture(c, "far", draw(path(c.name + "/plan.json"), repeat), draw(path(c.name + "/default.json"), repeat),
                  stated, planned);
     // The stated errors were measured on these same bakes. Compared with normals that are shaded one by one, the
-    // scene's picture may not have a higher error.
+    // scene's picture must not have a higher error.
     if (!is_fresnel_fixed) {  // else the reference has a fixed Fresnel term too
       const double own = error_of_picture(path(c.name + "/plan.json"), repeat),
                    usual = error_of_picture(path(c.name + "/default.json"), repeat);

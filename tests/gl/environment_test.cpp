@@ -219,7 +219,7 @@ double light_of(const FloatImage& image) {
   return sum;
 }
 
-// The errors are those of the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
+// The errors come from the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
 // between two levels and the table scales all light alike. If the level is wrong by one half, the three highlights of
 // prefiltered levels have errors of 9, 14 and 15 %. If the spread is half as wide, their errors are 8.8, 17 and 2 %.
 TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {

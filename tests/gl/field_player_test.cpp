@@ -24,7 +24,7 @@ class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
   static std::vector<double> point(std::size_t sample) {
     return {static_cast<double>(sample / testing::kFieldLights), static_cast<double>(sample % testing::kFieldLights)};
   }
-  /// Unpacks a layer at a sample; empty if the sample has no such layer.
+  /// Unpacks a layer at a sample. Returns an empty result if the sample does not have the layer.
   std::vector<float> unpacked(PackedFieldFile& file, std::size_t layer, std::size_t sample) const {
     const PackedLayer& described = description_.layers[layer];
     if (!described.is_seen(sample)) return {};

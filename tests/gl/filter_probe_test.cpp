@@ -143,7 +143,7 @@ TEST(FilterProbe, AnObjectOutOfSightHasNoRows) {
   EXPECT_EQ(matrix.row_begin, std::vector<std::uint32_t>{0});
 }
 
-// Any `span` neighbours have different classes, also across the seam.
+// Any `span` neighbours have different classes, even across the seam.
 TEST(TexelBlocks, NeighboursDiffer) {
   for (int span = 2; span <= 20; ++span)
     for (int count = 1; count <= 130; ++count) {

@@ -70,9 +70,9 @@ TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   }
 }
 
-// Compares pictures of Gaussians with those of lobes and with the reference, for BRDFs with Fresnel and shadowing and
-// for Lambert's without a highlight. With 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error). A
-// Gaussian is not exactly the shape of Torrance and Sparrow's facets, which causes an error of 2.1 %, even on a flat
+// Compares pictures of Gaussians with those of lobes and with the reference, for BRDFs with Fresnel and shadowing, and
+// for Lambert's BRDF without a highlight. With 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error).
+// A Gaussian is not exactly the shape of Torrance and Sparrow's facets, which causes an error of 2.1 %, even on a flat
 // map (AFlatMapIsNearTheReference).
 TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);

@@ -109,7 +109,7 @@ std::vector<MultumVmfLobe> run_kernel(const RefinedTexel& texel, int vector_widt
   std::size_t beside = 0;
   for (const auto& [dx, dy] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)})
     if (place.is_there(dx, dy)) put(texel.beside.at(beside++), static_cast<std::size_t>(place.number(dx, dy)));
-  // These values are poison: those of texels that are not in the list must stay.
+  // Fills all values with poison. The values of texels that are not in the list must stay.
   std::vector<MultumVmfLobe> refined(lobe_count * level_size, MultumVmfLobe{7.0f, 7.0f, 7.0f, 7.0f});
   MultumMovmfFit fit = {};
   fit.map_width = fit.width = place.width;

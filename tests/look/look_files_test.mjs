@@ -99,7 +99,7 @@ try {
   await kept.evaluate(() => { location.hash = "map=40"; });
   await settled(kept);
   assert.equal((await viewOf(kept)).map, 1, "values of a foreign address must be clamped");
-  // The picture equals that of the page of this map only, which reads the map instead of level 0.
+  // The picture equals the picture of a page with only this map, which reads the map instead of level 0.
   const page = await open("map.html");
   const same = await apart(page, kept, "left=export&right=lobes&map=1");
   assert.ok(same.mean < 0.05, `maps of several: ${same.mean}`);
@@ -121,7 +121,7 @@ try {
     assert.ok(mean <= MEAN_MOST && close > CLOSE_LEAST, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
     assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} against half floats`);
   }
-  // The lobes equal those of multum export --texels rgba16f, except for the rounding of float and double sums.
+  // The lobes equal the lobes of multum export --texels rgba16f, except for the rounding of float and double sums.
   const [count, far] = await other.evaluate((base64) => {
     const halvesOf = (file) => file.levels.map((bytes) => new Uint16Array(bytes.slice().buffer));
     const value = (bits) => (bits & 0x8000 ? -1 : 1) * ((bits & 0x7c00) === 0 ? (bits & 1023) * 2 ** -24

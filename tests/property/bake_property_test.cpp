@@ -161,7 +161,7 @@ double column_difference(const MovmfLevel& level, int left, int right) {
   return sum;
 }
 
-// A periodic map is aligned across its border too, also if the width is odd and both columns have the same colour.
+// A periodic map is aligned across its border too, even if the width is odd and both columns have the same colour.
 TEST(BakePeriodicTest, LobesAreAlikeAcrossTheBorder) {
   for (int width : {128, 100}) {
     // Two opposite facets in equal shares have changed places from border to border, because the assignment of lobes

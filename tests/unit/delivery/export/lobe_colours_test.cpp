@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests tints: a lobe's tint is its colour relative to the texel's colour, and the tints of a texel add up to 0. A file
-// of tints is written if the map has such levels.
+// of tints is written only if the map has enough levels.
 #include "host/delivery/export/lobes/lobe_colours.h"
 
 #include <gtest/gtest.h>

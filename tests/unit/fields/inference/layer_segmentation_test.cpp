@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that pictures of known parts are separated into these parts, also with damaged values, and that the bytes do
+// Tests that pictures of known parts are separated into these parts, even with damaged values, and that the bytes do
 // not depend on the number of threads.
 #include "host/fields/inference/mapping/layer_segmentation.h"
 
@@ -284,7 +284,7 @@ TEST(LayerSegmentationTest, AnObjectHasALayerOnlyIfSomeOfItIsLit) {
   EXPECT_FALSE(has_radiance(layer, 1.0));
 }
 
-// One bright pixel in a thousand makes a layer; traces of compression in as many pixels do not.
+// One bright pixel in a thousand makes a layer; traces of compression in as many pixels do not make a layer.
 TEST(LayerSegmentationTest, SmallHighlightsAreALayerAndTracesAreNot) {
   ObjectLayer layer{std::vector<float>(1000, 1.0f), std::vector<float>(3000, 0.0f)};
   layer.rgb[1500] = 1.0f;

@@ -61,7 +61,8 @@ AttributePlace place_of(const std::string& bytes, const std::string& name) {
 
 using Values = std::map<std::tuple<int, std::string, std::string>, std::string>;  // by part, name, type
 
-// Returns the values that OpenEXR reads, as it would write them. Compression is not a value of the file.
+// Returns the values that OpenEXR reads, in the form in which it would write them. Compression is not a value of the
+// file.
 Values values_read(const std::string& path) {
   Imf::MultiPartInputFile file(path.c_str(), 1);
   Values values;

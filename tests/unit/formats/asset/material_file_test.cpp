@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests files with weights and with roughness, in both representations: they read back equal, and damage is found.
-// Programs that know neither refuse such files, and other files do not change.
+// Programs that do not know weights and roughness refuse such files, and other files do not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>

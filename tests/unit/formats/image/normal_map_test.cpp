@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests reading normal maps: every encoding gives back the original normals, also if the encoding must be detected.
+// Tests reading normal maps: every encoding gives back the original normals, even if the encoding must be detected.
 // Other files are refused, every repair is counted, and no thread count changes a bit.
 #include "host/formats/image/normals/normal_map.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that times are those of the fastest round, and that every run has a turn before any has a second one.
+// Tests that times come from the fastest round, and that every run has a turn before any run has a second turn.
 #include "host/foundation/base/run_times.h"
 
 #include <gtest/gtest.h>
