@@ -180,7 +180,7 @@ class HostileTest(unittest.TestCase):
             elif number % 3 == 1:  # changes any byte of the frame and the JSON
                 for _ in range(3):
                     data[rng.randrange(20 + len(text))] = rng.randrange(256)
-            else:  # the images
+            else:  # changes the images
                 for _ in range(10):
                     data[rng.randrange(len(good) - len(model.bytes), len(good))] = rng.randrange(256)
             with open(self.path("model/in.glb"), "wb") as file:

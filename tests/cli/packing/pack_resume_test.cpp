@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack within a memory limit and after a stop: gives the same bytes, whatever it reads again or reuses.
+// Tests multum pack within a memory limit and after a stop. It gives the same bytes, whatever it reads again or reuses.
 #include <signal.h>
 
 #include <chrono>

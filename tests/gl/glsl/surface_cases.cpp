@@ -183,7 +183,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Shader statements that store the basis functions of the normal up to order 2, as a file stores them.
+// Contains shader statements that store the basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"

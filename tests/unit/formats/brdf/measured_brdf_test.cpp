@@ -137,7 +137,8 @@ std::string radiance(const std::string& size, const std::string& rows) {
 }
 
 TEST_F(MeasuredFileTest, RadianceRows) {
-  // A packed row of 8 texels: 8 times 128; 3 and 5 values; 8 times 64; exponent 129, which is 2^-7 each.
+  // A packed row of 8 texels has 8 times 128, then 3 and 5 values, then 8 times 64, and the exponent 129, which is 2^-7
+  // each.
   const std::string packed = std::string("\2\2\0\x8", 4) + std::string("\x88\x80", 2) +
                              std::string("\x3\1\2\3\x5\4\5\6\7\x8", 10) + std::string("\x88\x40", 2) +
                              std::string("\x88\x81", 2);

@@ -200,8 +200,8 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   }
 }
 
-// A flat tile cannot decide green, and another may be painted the other way round: the first tile that can decides for
-// all.
+// A flat tile cannot decide green, and another tile may be painted the other way round. The first tile that can decide
+// does so for all tiles.
 TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   settings_ = {};
   TestImage flat = normal_image(kSide, kSide);
