@@ -273,13 +273,13 @@ void add_export_command(CLI::App& app, int* exit_code) {
                       "maps; or a set, such as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
                       "folder to write to; or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
-                      "several maps: a folder, or a name with <UDIM>");
+                      "several maps, a folder or a name with <UDIM>");
   CLI::Option* const manifest = command->add_option(
       "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
   CLI::Option* const check =
       command->add_flag("--check", o.check, "exit with code 5 and a list if files were missing, stale or damaged")
           ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "with --check: only list findings, and export nothing")->needs(check);
+  command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);

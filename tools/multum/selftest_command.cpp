@@ -87,7 +87,7 @@ void add_selftest_command(CLI::App& app, int* exit_code) {
   selftest->add_option("--markdown", options->markdown,
                        "write docs/contributing/STABILITY.md to this file; implies --without-guards");
   selftest->add_option("--with", options->with,
-                       "with --markdown: read the verdicts about GL from this file, which gl_stability_test wrote");
+                       "with --markdown, read the verdicts about GL from this file, which gl_stability_test wrote");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

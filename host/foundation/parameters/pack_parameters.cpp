@@ -15,8 +15,8 @@ std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "make raw 24-bit frames at least this many times smaller; default: 384, or less if 384 would add more "
-               "than 3 times the error of the inferred textures",
+       .help = "make the file at least this many times smaller than raw 24-bit frames (default: 384, or less if 384 "
+               "would add more than 3 times the error of the inferred textures)",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},

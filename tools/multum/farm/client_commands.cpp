@@ -407,7 +407,7 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "with --all-dead: retry only jobs of this queue");
+  retry->add_option("--queue", o->queue, "with --all-dead, retry only jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
@@ -435,7 +435,8 @@ void add_purge(CLI::App& app, int* exit_code) {
     std::int64_t age = -1;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; keep their results");
+  CLI::App* purge = app.add_subcommand(
+      "purge", "remove finished jobs, their logs, and their results in the folder of the service; keep other results");
   purge->add_option("job", o->ids, "numbers of the jobs");
   purge->add_option("--older-than", o->age, "purge all jobs that ended at least this many seconds ago")
       ->check(CLI::NonNegativeNumber);

@@ -251,7 +251,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--memory", options.memory,
                  "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
       ->capture_default_str();
-  app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
+  app.add_option("--upload", options.upload, "with --no-wait, send at most this many bytes per frame to the GPU")
       ->capture_default_str();
   app.add_option("--lifetime", options.lifetime, "keep an unused image of one sample for this many frames")
       ->check(number_in(0.0f, 1e6f))
@@ -260,7 +260,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "keep images of each coarser level of the pyramid this many times longer")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "decode with this many threads; 0: one per core")
+  app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--debug-picture", options.debug_picture,
