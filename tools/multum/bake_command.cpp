@@ -190,12 +190,12 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   CLI::App* bake = app.add_subcommand("bake", "bake normal maps or height fields into mipmaps of normal distributions");
   bake->add_option(
       "input", options->inputs,
-      bake_parameters().at("input").help + "; or several maps; or a set, such as rock_<UDIM>.png; or one scene.toml");
+      bake_parameters().at("input").help + ", several maps, a set such as rock_<UDIM>.png, or one scene.toml");
   bake->add_option("-o,--output", options->job.output,
                    "file to write, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
   bake->add_option("--shard", options->shard,
                    "bake only share I of N (I/N), or shares I to J (I-J/N), of several maps or a scene; for one map, "
-                   "0/N is the coarse levels, and 1/N to N/N are bands");
+                   "share 0/N is the coarse levels, and shares 1/N to N/N are bands of rows");
   bake->add_option("--merge", options->merged_shards,
                    "write the file of one map from its shares 0/N to N/N; for a scene, check shares 1/N to N/N and "
                    "write plan and report")

@@ -269,8 +269,8 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                          "write normal maps as textures for engines: normal, roughness and anisotropy "
                                          "with fitted mips");
   command->add_option("input", o.inputs,
-                      "normal map or height field, or a baked file, NAME.ndf.exr, whose level 0 is its map; or several "
-                      "maps; or a set, such as rock_<UDIM>.png");
+                      "normal map or height field, a baked file, NAME.ndf.exr, that contains level 0, several maps, or "
+                      "a set such as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
                       "folder to write to; or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
                       "several maps, a folder or a name with <UDIM>");
@@ -299,9 +299,8 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "BC5, roughness textures as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
       "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
       "--smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
-      "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe. --resume\n"
-      "keeps fitted rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md lists the steps\n"
-      "for each engine.");
+      "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n"
+      "docs/how-to/export_to_engine.md lists the steps for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

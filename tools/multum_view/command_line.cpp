@@ -81,16 +81,15 @@ const ViewCommand kOwnCommands[] = {
      [](const CommandOptions& o) { return draw_model(o.model); }},
     {"thumbnails", "Draw small pictures of the input and result of a job, for the page of the service",
      "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
-     "Writes render.png. With --source, if the map has not changed since the bake, it also writes input.png and\n"
-     "error.png, which shows the error four times as bright. For a folder written by `multum infer` it writes only\n"
-     "render.png.",
+     "The command writes render.png. With --source, if the map has not changed since the bake, it also writes\n"
+     "input.png and error.png, which shows four times the error. For a folder written by `multum infer`, it writes\n"
+     "only render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
     {"each", "Run several command lines in one process, so that GL is loaded once",
      "  multum-view each views.json\n\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
-     "The first command line that fails ends the run with its exit code. Loading software GL takes about 50 ms\n"
-     "of processor time per picture.",
+     "The first command line that fails ends the run with its exit code.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
      [](const CommandOptions& o) { return run_each(o.each); }}};
 
@@ -116,8 +115,7 @@ const char* const kExamples =
     "toksvig-points and so on shade the averaged normals at as many points of each pixel as the baked map needs\n"
     "evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
     "--environment, lean is the same as toksvig. For a file with roughness, the points pictures use unit normals\n"
-    "and a roughness map whose levels average perceptual roughness, as in engines. The reference is read with the\n"
-    "settings of the bake, so a wrong --green affects both unless --green is given here.\n\n"
+    "and a roughness map whose levels average perceptual roughness, as in engines.\n\n"
     "--evaluations: where the normals under a pixel are similar, each evaluation shades one lobe at its own point.\n"
     "Elsewhere, evaluations shade several lobes at fewer points. If a texel has more lobes than evaluations, the\n"
     "most similar lobes are merged. On a mesh, lobes are read at 2 x 2 places of the pixel and rotated by the\n"

@@ -102,7 +102,7 @@ Rows source_rows() {
 Rows material_rows() {
   return {{.name = "albedo",
            .kind = Kind::kFile,
-           .help = "bake the colours of this map of the same size, per lobe or averaged",
+           .help = "bake colours from this map of the same size, per lobe or averaged",
            .hashed_as = "albedo",
            .surfaces = kEverywhere},
           {.name = "roughness",
@@ -343,7 +343,7 @@ Rows target_rows() {
            .default_text = "blinn-phong:100",
            .surfaces = kJob},
           {.name = "best_effort",
-           .help = "write the best settings found even if they miss the target; the exit code stays 5",
+           .help = "bake with the best settings found even if they miss the target; the exit code stays 5",
            .surfaces = kJob},
           {.name = "error_max",
            .kind = Kind::kNumber,
@@ -397,7 +397,7 @@ Rows run_rows() {
 const ParameterTable& bake_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {input_parameter(
-        "input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side",
+        "input", "normal map or height field (PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side)",
         kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
     // The order in help texts is: representation, fit, storage.

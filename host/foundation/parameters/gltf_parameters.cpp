@@ -19,8 +19,8 @@ std::vector<Parameter> gltf_rows() {
   anisotropy.excludes = {"lobes"};
   return {{.name = "format",
            .kind = Kind::kChoice,
-           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2 without that extension) or png (only "
-                   "level 0); auto chooses for each texture",
+           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2 that this extension does not allow) "
+                   "or png (only level 0); auto chooses for each texture",
            .default_text = "auto",
            .choices = choice_names(kGltfTextureFormats),
            .group = kStorageGroup,

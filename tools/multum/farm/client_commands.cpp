@@ -55,9 +55,9 @@ HttpClient client_of(const ClientOptions& o) {
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
-  command.add_option("--server", o.server,
-                     "address of the service: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
-                     "http://127.0.0.1:8470)");
+  command.add_option(
+      "--server", o.server,
+      "address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
                      "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);

@@ -16,8 +16,8 @@ std::vector<ViewCommand> field_commands() {
        "  multum-view sample out/ --at 3,5 -o frame.png\n"
        "  multum-view sample field.mpt --at 3,5 -o frame.png\n"
        "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr\n\n"
-       "Chunks of a packed field are decoded when a sample needs them. Damaged chunks are left out and named; the\n"
-       "exit code is then 5.",
+       "Chunks of a packed field are decoded when a sample needs them. If a chunk is damaged, its name is printed,\n"
+       "the rest is drawn, and the exit code is 5.",
        [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
       {"play", "Draw frames along a path through the parameters of a packed field, and decode it on the way",
