@@ -316,7 +316,8 @@ class Page {
         whole += fmt::format(" *{}*", group);
       else names.insert(names.end(), some.begin(), some.end());
     }
-    return fmt::format("[Also](#options-of-many-commands){}{}{}.\n", whole, names.empty() ? "" : " ", names_text(names));
+    return fmt::format("[Also](#options-of-many-commands){}{}{}.\n", whole, names.empty() ? "" : " ",
+                       names_text(names));
   }
 
   const CommandText* owner_of(const OptionText& option) const {

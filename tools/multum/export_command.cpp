@@ -269,10 +269,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                          "write normal maps as textures for engines: normal, roughness and anisotropy "
                                          "with fitted mips");
   command->add_option("input", o.inputs,
-                      "normal map or height field, a baked file, NAME.ndf.exr, that contains level 0, several maps, or "
-                      "a set such as rock_<UDIM>.png");
+                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); several maps; or a set such "
+                      "as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
-                      "folder to write to; or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
+                      "folder to write to, or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
                       "several maps, a folder or a name with <UDIM>");
   CLI::Option* const manifest = command->add_option(
       "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");

@@ -274,7 +274,7 @@ Rows fit_rows() {
       // These parameters are hashed and checked, but users cannot set them.
       {.name = "iterations_coarse",
        .kind = Kind::kInteger,
-       .help = "maximum EM iterations for texels that cover more than 1024 normals; --iterations also sets it",
+       .help = "maximum EM iterations for texels that cover more than 1024 normals; --iterations replaces it",
        .low = 1,
        .high = 1000,
        .default_text = "30",
@@ -379,7 +379,7 @@ Rows run_rows() {
       {.name = "resume", .help = "resume an interrupted bake of the same output", .surfaces = kOnCommandLine},
       {.name = "region",
        .kind = Kind::kText,
-       .help = "fit only this edited part again and keep the rest of --onto; auto finds the part that changed",
+       .help = "fit only this edited part again and keep the rest of --onto; auto finds the changed part",
        .unit = "X,Y,W,H|auto",
        .surfaces = kOnCommandLine},
       {.name = "onto",

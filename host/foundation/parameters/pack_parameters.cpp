@@ -35,7 +35,7 @@ std::vector<Parameter> target_parameters() {
        .surfaces = kPackJob},
       {.name = "lambda",
        .kind = ParameterKind::kNumber,
-       .help = "weigh one bit against this much squared error",
+       .help = "set the squared error that is worth one bit",
        .low = 1e-4,
        .high = 1e9,
        .surfaces = kPackJob}};
@@ -94,10 +94,10 @@ const ParameterTable& pack_parameters() {
                     .default_text = "closed",
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
-    rows.push_back(memory_parameter(
-        "stay within this resident memory; with less memory, fewer chunks are coded at once and textures "
-        "are read again; the result is the same",
-        kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
+    rows.push_back(
+        memory_parameter("stay within this resident memory; with less memory, fewer chunks are coded at once, textures "
+                         "are read again, and the result is the same",
+                         kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
         {.name = "resume", .help = "continue a stopped packing to the same output", .surfaces = kOnCommandLine});
     rows.push_back(absolute_geometry_parameter());

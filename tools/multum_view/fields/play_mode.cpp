@@ -257,7 +257,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(number_in(0.0f, 1e6f))
       ->capture_default_str();
   app.add_option("--lifetime-factor", options.lifetime_factor,
-                 "keep images of each coarser level of the pyramid this many times longer")
+                 "keep images this many times longer for each coarser level of the pyramid")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
   app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
