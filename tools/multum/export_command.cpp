@@ -295,12 +295,11 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks/ --write-green down   # for Unreal; for Unity: --smoothness\n"
       "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the changed maps of a project\n"
-      "rg8 and bc store only x and y of normals; the shader rebuilds z = sqrt(1 - x^2 - y^2). bc stores normals as\n"
-      "BC5, roughness textures as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
-      "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
-      "--smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
-      "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n"
-      "docs/how-to/export_to_engine.md lists the steps for each engine.");
+      "rg8 and bc store only x and y of normals; the shader computes z = sqrt(1 - x^2 - y^2). uastc is the format\n"
+      "of KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask\n"
+      "of --smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page\n"
+      "bakes lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n"
+      "docs/how-to/export_to_engine.md lists the steps and formats for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 
