@@ -128,7 +128,7 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
       "fade --environment into this environment of the same size; harmonics and filtered levels change in every frame");
   app.add_option("--to-environment-turn", options.environment_turn, "set --environment-turn of the last frame")
       ->check(number_in(-3600.0f, 3600.0f));
-  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame, of the same family");
+  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame; the family must be the same");
   app.add_option_function<std::string>(
       "--to-diffuse", [&](const std::string& text) { options.diffuse = parse_colour("--to-diffuse", text); },
       "set --diffuse of the last frame");

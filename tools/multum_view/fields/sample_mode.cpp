@@ -204,7 +204,8 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
                  "with one -o per sample")
       ->required()
       ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
-  app.add_option("-o,--output", options.outputs, "picture of each sample to write: .png (sRGB) or .exr (linear floats)")
+  app.add_option("-o,--output", options.outputs,
+                 "picture to write for each sample: .png (sRGB) or .exr (linear floats)")
       ->required()
       ->allow_extra_args(false);
   app.add_option("--exposure", options.exposure, "multiply the brightness of PNG pictures by this")
