@@ -97,8 +97,8 @@ bool has_hashes(const ParameterTable& table) {
 std::string scope_note(const Parameter& row) {
   switch (row.scope) {
     case ParameterScope::kAll: return "";
-    case ParameterScope::kLobes: return row.group == kFitGroup ? "" : "; for vmf and gmm";
-    case ParameterScope::kHarmonics: return "; for sh";
+    case ParameterScope::kLobes: return row.group == kFitGroup ? "" : "; only for vmf and gmm";
+    case ParameterScope::kHarmonics: return "; only for sh";
   }
   return "";
 }
