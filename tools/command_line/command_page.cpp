@@ -24,20 +24,16 @@ constexpr char kSharedHeading[] = "Options of many commands";
 
 constexpr char kHead[] =
     "# Commands\n\n"
-    "The commands and options of `multum` and `multum-view`, and the keys of manifests, scenes and jobs. The\n"
+    "This page lists the options of `multum` and `multum-view`, and the keys of manifests, scenes and jobs. The\n"
     "programs print the same texts with `--help`. `tools/parameter_documents` writes this page; do not edit it.\n\n"
-    "- `multum COMMAND --help` prints the help of one command. `multum completion SHELL` and `multum man -o FOLDER`\n"
-    "  write shell completion and manual pages.\n"
     "- Sizes are in texels unless a unit is named. Directions and positions are `x,y,z`.\n"
-    "- Options that several commands share are described once.\n"
-    "- *Keys* says where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
+    "- The column *keys* shows where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
     "  [manifest](manifests.md), *s* in `[[map]]` of a [scene](scenes.md), *j* in the parameters of a\n"
     "  [job](service.md). The key of `--first-level` is `first_level`.\n"
-    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, such as 800M or 2G.\n"
-    "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). Parameters\n"
-    "  without one do not change the content.\n"
-    "- Commands return the [exit codes](exit_codes.md). With `--json` they print one JSON document on stdout, and\n"
-    "  no other text there.\n";
+    "- The column *values* ends with the default in parentheses. SIZE is a number of bytes, such as 800M or 2G.\n"
+    "- The column *hashed* names the key in `multum:settings` of a [baked file](file_format.md). Parameters\n"
+    "  without such a key do not change the content.\n"
+    "- Commands return these [exit codes](exit_codes.md).\n";
 
 // Formats text for a cell: option names as code, page paths as links, Markdown characters escaped.
 std::string cell(const std::string& text) {
@@ -101,8 +97,8 @@ bool has_hashes(const ParameterTable& table) {
 std::string scope_note(const Parameter& row) {
   switch (row.scope) {
     case ParameterScope::kAll: return "";
-    case ParameterScope::kLobes: return row.group == kFitGroup ? "" : "; for vmf and gmm";
-    case ParameterScope::kHarmonics: return "; for sh";
+    case ParameterScope::kLobes: return row.group == kFitGroup ? "" : "; only for vmf and gmm";
+    case ParameterScope::kHarmonics: return "; only for sh";
   }
   return "";
 }
@@ -320,7 +316,8 @@ class Page {
         whole += fmt::format(" *{}*", group);
       else names.insert(names.end(), some.begin(), some.end());
     }
-    return fmt::format("[Also](#options-of-many-commands){} {}.\n", whole, names_text(names));
+    return fmt::format("[Also](#options-of-many-commands){}{}{}.\n", whole, names.empty() ? "" : " ",
+                       names_text(names));
   }
 
   const CommandText* owner_of(const OptionText& option) const {

@@ -269,17 +269,17 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                          "write normal maps as textures for engines: normal, roughness and anisotropy "
                                          "with fitted mips");
   command->add_option("input", o.inputs,
-                      "normal map or height field, or a baked file, NAME.ndf.exr, whose level 0 is its map; or several "
-                      "maps; or a set, such as rock_<UDIM>.png");
+                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); several maps; or a set such "
+                      "as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
-                      "folder to write to; or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
-                      "several maps: a folder, or a name with <UDIM>");
+                      "folder to write to, or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
+                      "several maps, a folder or a name with <UDIM>");
   CLI::Option* const manifest = command->add_option(
       "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
   CLI::Option* const check =
       command->add_flag("--check", o.check, "exit with code 5 and a list if files were missing, stale or damaged")
           ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "with --check: only list findings, and export nothing")->needs(check);
+  command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);
@@ -295,13 +295,11 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks/ --write-green down   # for Unreal; for Unity: --smoothness\n"
       "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the changed maps of a project\n"
-      "rg8 and bc store only x and y of normals; the shader rebuilds z = sqrt(1 - x^2 - y^2). bc stores normals as\n"
-      "BC5, roughness textures as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
-      "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
-      "--smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
-      "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe. --resume\n"
-      "keeps fitted rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md lists the steps\n"
-      "for each engine.");
+      "rg8 and bc store only x and y of normals; the shader computes z = sqrt(1 - x^2 - y^2). uastc is the format\n"
+      "of KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask\n"
+      "of --smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page\n"
+      "bakes lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n"
+      "docs/how-to/export_to_engine.md lists the steps and formats for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

@@ -313,7 +313,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
       ->add_option("prefix,-o,--output", options->prefix,
                    "prefix of the files to write: PREFIX_normal.png and PREFIX_albedo.png")
       ->required();
-  testmap->add_option("--size", options->size, "set the even number of texels per side")
+  testmap->add_option("--size", options->size, "set the number of texels per side, which must be even")
       ->check(CLI::Range(16, 32768))
       ->capture_default_str();
   testmap->add_option("--seed", options->seed, "set the seed of the noise quarter")->capture_default_str();

@@ -66,14 +66,14 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const bias =
       add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values are sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
-  CLI::Option* const shade = app.add_flag(
-      "--shade-taps,!--no-shade-taps", options.filter.shades_taps,
-      "shade each of --taps and average the light; --no-shade-taps (default): average the lookups and shade "
-      "once, which is faster and less accurate");
+  CLI::Option* const shade =
+      app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
+                   "shade each lookup of --taps and average the light; --no-shade-taps, the default, averages the "
+                   "lookups and shades once, which is faster and less accurate");
   CLI::Option* const evaluations =
       app.add_option_function<int>(
              "--evaluations", [&options](const int& count) { options.evaluations = count; },
-             "evaluate the light of the map this often per pixel; 0: once per lobe (default: the number of lobes, "
+             "evaluate the light of the map this often per pixel; 0 means once per lobe (default: the number of lobes, "
              "rounded up to a power of two)")
           ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
@@ -136,8 +136,8 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more are "
-                 "slower and lower the error")
+                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more "
+                 "densities take longer and lower the error")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,
@@ -151,7 +151,7 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
-             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and leave its code out");
+             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and omit the code of the term");
 }
 
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {

@@ -48,8 +48,8 @@ Rows export_rows() {
                                .surfaces = kExportJob};
   Parameter smoothness = {.name = "smoothness",
                           .help =
-                              "for Unity, write smoothness (1 - roughness): the texture mask instead of orm, "
-                              "or, with --roughness-alone, the texture smoothness",
+                              "for Unity, write smoothness (1 - roughness) in the texture mask instead of orm; with "
+                              "--roughness-alone, in the texture smoothness",
                           .group = kStorageGroup,
                           .surfaces = kExportJob};
   Parameter write_green = {.name = "write_green",

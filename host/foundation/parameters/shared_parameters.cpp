@@ -162,7 +162,7 @@ std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& defaul
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
                           .help = std::string("continue the map beyond its border in this way") +
-                                  (with_auto ? "; auto: periodic if the map tiles, else clamp" : ""),
+                                  (with_auto ? "; auto chooses periodic if the map tiles, else clamp" : ""),
                           .default_text = default_text,
                           .choices = modes,
                           .hashed_as = "wrap",

@@ -55,9 +55,9 @@ HttpClient client_of(const ClientOptions& o) {
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
-  command.add_option("--server", o.server,
-                     "address of the service: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
-                     "http://127.0.0.1:8470)");
+  command.add_option(
+      "--server", o.server,
+      "address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
                      "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);
@@ -407,7 +407,7 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "with --all-dead: retry only jobs of this queue");
+  retry->add_option("--queue", o->queue, "with --all-dead, retry only jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
@@ -435,7 +435,8 @@ void add_purge(CLI::App& app, int* exit_code) {
     std::int64_t age = -1;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; keep their results");
+  CLI::App* purge = app.add_subcommand(
+      "purge", "remove finished jobs, their logs, and their results in the folder of the service; keep other results");
   purge->add_option("job", o->ids, "numbers of the jobs");
   purge->add_option("--older-than", o->age, "purge all jobs that ended at least this many seconds ago")
       ->check(CLI::NonNegativeNumber);

@@ -266,8 +266,8 @@ void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
   openjd
       ->add_option("--shards", options->shards,
-                   "divide the work into this many tasks (default: one per map; one for an inference), or a single map "
-                   "into this many bands (default: not divided)")
+                   "divide the work into this many tasks (default: one per map, or one for an inference), or a single "
+                   "map into this many bands (default: not divided)")
       ->check(CLI::Range(1, 999999));
   openjd->add_option("--name", options->name, "set the name of the job (default: the name of the command)");
   add_common_options(*openjd, options->common);

@@ -156,7 +156,7 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
                     "listen on HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder below which jobs may read and write; repeatable; must not hold files of the service")
+                   "folder below which jobs may read and write; repeatable; it must not contain files of the service")
       ->allow_extra_args(false);
   serve->add_option("--workers", options->workers, "run this many jobs at once (default: 2)")
       ->check(CLI::Range(1, 256));

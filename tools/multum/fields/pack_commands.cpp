@@ -182,10 +182,9 @@ void add_pack(CLI::App& app, int* exit_code) {
   pack->footer(
       "Example:\n"
       "  multum pack inferred -o field.mpt --page field.html\n"
-      "Give at most one of --ratio, --bytes, --mse-max and --lambda. With --lambda everything is coded once,\n"
-      "else several times. A page holds at most 16 MiB of field and geometry. If --memory is too small\n"
-      "for one chunk, an error says how much is needed. Threads, memory and device do not change the file.\n"
-      "--verbose prints the bytes and the error of every chunk.");
+      "Give at most one of --ratio, --bytes, --mse-max and --lambda. With --lambda, chunks are coded\n"
+      "only once. A page holds at most 16 MiB of field and geometry. If --memory is too small for one chunk, an\n"
+      "error says how much is needed. Threads, memory and device do not change the file.");
   pack->add_option("folder", o.settings.folder, "folder written by `multum infer`, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
   pack->add_option("--player", o.player.folder,

@@ -237,7 +237,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
   app.add_option("--supersampling", options.supersampling,
-                 "draw this many sub-pixels along each side of a pixel (default: as the field says)")
+                 "draw this many sub-pixels along each side of a pixel (default: from the field)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
                "mix the samples around a point linearly along each parameter, instead of using the nearest sample");
@@ -251,16 +251,16 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--memory", options.memory,
                  "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
       ->capture_default_str();
-  app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
+  app.add_option("--upload", options.upload, "with --no-wait, send at most this many bytes per frame to the GPU")
       ->capture_default_str();
   app.add_option("--lifetime", options.lifetime, "keep an unused image of one sample for this many frames")
       ->check(number_in(0.0f, 1e6f))
       ->capture_default_str();
   app.add_option("--lifetime-factor", options.lifetime_factor,
-                 "keep images of each coarser level of the pyramid this many times longer")
+                 "keep images this many times longer for each coarser level of the pyramid")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "decode with this many threads; 0: one per core")
+  app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--debug-picture", options.debug_picture,

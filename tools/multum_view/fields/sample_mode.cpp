@@ -199,12 +199,13 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
   app.add_option("folder", options.folder,
                  "folder written by `multum infer`, its inferred.json, or a packed field, *.mpt")
       ->required();
-  app.add_option(
-         "--at", options.samples,
-         "draw this sample: its index along each parameter, such as 3,5, or its name; repeatable, with an -o each")
+  app.add_option("--at", options.samples,
+                 "draw the sample with this name or with these indices along the parameters, such as 3,5; repeatable, "
+                 "with one -o per sample")
       ->required()
       ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
-  app.add_option("-o,--output", options.outputs, "picture of each sample to write: .png (sRGB) or .exr (linear floats)")
+  app.add_option("-o,--output", options.outputs,
+                 "picture to write for each sample: .png (sRGB) or .exr (linear floats)")
       ->required()
       ->allow_extra_args(false);
   app.add_option("--exposure", options.exposure, "multiply the brightness of PNG pictures by this")
