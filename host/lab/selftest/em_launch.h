@@ -21,7 +21,7 @@ constexpr std::size_t kGroup = MULTUM_GROUP;
 
 /// Explains the bounds of EM's results.
 constexpr char kEmBoundReason[] =
-    "adding a sample rounds by 6e-8, and EM amplifies differences by a factor of less than 10";
+    "each added sample is rounded by 6e-8, and EM amplifies such differences less than tenfold";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // both sides get them rounded to float
