@@ -139,4 +139,4 @@ def machine(devices, contexts, versions):
 
 
 def machine_words(devices, contexts, versions):
-    return "; ".join(f"{what} {name}" for what, name in machine_rows(devices, contexts, versions)) + "."
+    return "; ".join(f"{what}: {name}" for what, name in machine_rows(devices, contexts, versions))

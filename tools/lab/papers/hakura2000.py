@@ -186,7 +186,7 @@ def reproduce(study):
         for figure in figures:
             figure(study, field)
     study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
-                    "mapping. This forward mapping splats pixels bilinearly; the paper resamples with a",
+                    "mapping. This forward mapping splats pixels bilinearly, whereas the paper resamples with a",
                     "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio relative to the "
                     "paper's forward mapping. docs/evidence/PLAYBACK.md plots error against size, and shows the effect "
                     "of each part of the coder.")

@@ -84,7 +84,8 @@ def draw_every_map(study):
                                    for name, row in errors] +
                 [["median", *[percent(e) for e in np.median([row for _, row in errors], axis=0)]]])
     counts = [one["samples"] for one in references]
-    study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel; their noise is at most",
+    study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel. The noise of the references "
+                    f"is at most",
                     f"{percent(max(one['noise_relative_l1'] for one in references))}.")
     if guessed:
         study.paragraph("Read with --green up, because their statistics do not show green's direction:",

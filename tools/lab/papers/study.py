@@ -252,8 +252,8 @@ class Study:
         # Leaves out paragraphs that introduce a picture of the HTML page.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]
-        return "\n\n".join([f"## {self.title}", of_maps + "Measured with " +
-                            machine_words(self.devices, self.contexts, self.versions),
+        return "\n\n".join([f"## {self.title}", of_maps + "Measured on this system (" +
+                            machine_words(self.devices, self.contexts, self.versions) + ").",
                             *parts]) + "\n"
 
     def write_document_pictures(self, folder):

@@ -140,7 +140,7 @@ def fournier(study):
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
     study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The row with 8 x 8 "
-                    "lookups therefore lists the error of the Gaussians alone. The other rows include the errors of "
+                    "lookups therefore lists only the error of the Gaussians. The other rows include the errors of "
                     "their filters. The picture of the",
                     "elongated filter differs from the picture of the round filter by",
                     f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
@@ -193,8 +193,8 @@ def reproduce(study):
     study.paragraph("The disk and the armour of the paper are not published. A map of rings replaces the disk, and a "
                     "map of hemispherical scales replaces the armour. The paper defines the colour error only in "
                     "words: the mean distance between displayed colours, divided by the distance between black and "
-                    "white. The colour error depends on the scene; the ratio between two methods depends less on the "
-                    "scene.")
+                    "white. The colour error depends on the scene, but the ratio between two methods depends less on "
+                    "it.")
     zoom(study)
     alignment(study)
     fournier(study)
