@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests texture inference: the products and sums of conjugate gradient, the interpolation of the pyramid, and whole
 // solutions. The solved systems are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000,
-// section 3.2; the rows are in docs/contributing/ALGORITHMS.md).
+// section 3.2). docs/contributing/ALGORITHMS.md lists the rows of the system.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Makes rows of 0 to 21 entries; the first and the last row are empty. Weights are denormal, or have a magnitude from
+// Makes rows of 0 to 21 entries. The first and the last row are empty. Weights are denormal, or have a magnitude from
 // 1e-6 to 1.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);

@@ -20,7 +20,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
-// Tests more lobes than directions; all lobes are equal.
+// Tests more lobes than directions, where all lobes are equal.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
     for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
