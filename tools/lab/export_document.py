@@ -26,8 +26,8 @@ import export_costs
 from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
-STORED_ROUGHNESS = 0.25  # at which bytes are counted
-STORED_EVERY = 5  # one map in so many, by name, is stored in all ways
+STORED_ROUGHNESS = 0.25  # base roughness for which bytes are counted
+STORED_EVERY = 5  # of this many maps, sorted by name, one is stored in all ways
 LEVELS = (2, 4, 6)
 RULES = (("averaged", "averaged normals with base roughness"), ("unreal", "Unreal, without its blur of normals"),
          ("unity", "Unity HDRP"), ("godot", "Godot"), ("filament", "Filament's roughness-prefilter"),

@@ -4,9 +4,9 @@ import statistics
 
 from model_views import byte_text
 
-GAP_MIN = 0.5  # points between plain mips and the floor, below which a share of it says nothing
-NEAR = 1  # metres: close up
-NEXT_COUNT = 5  # views that are named after the worst
+GAP_MIN = 0.5  # in points; if plain mips are closer to the floor, shares of this difference mean nothing
+NEAR = 1  # distance of the near view in metres
+NEXT_COUNT = 5  # number of views that are named after the worst view
 PAGE = """# Models and surfaces
 
 three.js draws models and bumpy surfaces, and this page lists the errors of the pictures. The page compares plain mips,

@@ -47,7 +47,7 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  // Returns the higher of two errors: midway in x, and midway in y.
+  // Returns the higher of two errors: the error midway in x, and the error midway in y.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
     return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
@@ -283,8 +283,8 @@ struct MapTable {
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out: its texels are single normals,
-// so methods that store them have no error.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out, because its texels are single
+// normals, so methods that store single normals have no error.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
 // A row of the table by number of channels. Methods with the same number of channels are next to each other.

@@ -184,8 +184,8 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Compares the default filter with half as many taps that are each shaded, for four lobes. Both filters take about the
-// same time.
+// Compares the default filter with a filter of half as many taps, which are shaded separately, for four lobes. Both
+// filters take about the same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
