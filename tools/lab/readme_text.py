@@ -103,9 +103,9 @@ far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wi
 
 {rows}
 
-*Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps.
+*All methods have the same material, light and filter: roughness {roughness(100)} (Blinn-Phong, s = 100) and 4 taps.
 Brackets contain the error of the same method with as many evaluations of light per pixel as lobes need. The reference
-has {made_of["samples"]} samples per pixel; the noise of the reference is {percent(made_of["noise"])}. Normal map:
+has {made_of["samples"]} samples per pixel. The noise of the reference is {percent(made_of["noise"])}. Normal map:
 {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
@@ -252,8 +252,9 @@ def costs(figures, root):
             "frame on an NVIDIA H100, trilinear / 16 x anisotropic, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes
-the normal map's finest level in BC5. (3) These frames read RGBA32F textures; BC5 and BC4 textures are faster to draw.*
+*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes the
+normal map's finest level in BC5. (3) These frames read RGBA32F textures, although BC5 and BC4 textures are faster to
+draw.*
 """
 
 
@@ -265,8 +266,8 @@ def software_times(figures, _root):
     head = ["frame of 1920 x 1080 in software", "trilinear, ms", "default filter, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes {min(ratios):.1f} to
-{max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
+*The table lists medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes
+{min(ratios):.1f} to {max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
 """
 
 

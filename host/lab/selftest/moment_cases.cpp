@@ -264,7 +264,7 @@ std::vector<NumericalCase> moment_cases() {
       "half floats near 400 have steps of 0.25, but a highlight of exponent s = 1e5 needs moments in steps of 1e-5",
       "moments are stored in 32 bits, so their rounding at slope b broadens the highlight by at most 2^-22 s b^2 of "
       "its width",
-      1.0, "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
+      1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
       "the mean squared slope and the square of the mean slope are each rounded by 2^-24 b^2", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon",

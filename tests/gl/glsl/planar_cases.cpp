@@ -247,7 +247,7 @@ std::vector<GlslCase> moment_cases() {
         "half floats near 400 have steps of 0.25, but a highlight of exponent s = 1e5 needs moments in steps of 1e-5",
         "moments are stored in 32 bits, so their rounding at slope b broadens the highlight by at most 2^-22 s b^2 of "
         "its width",
-        1.0, "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
+        1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
         "the mean squared slope and the square of the mean slope are each rounded by 2^-24 b^2"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",
                   "max(floor(slopes.zw * 4.0 + 0.5) * 0.25 - slopes.xy * slopes.xy, vec2(0.0))")},

@@ -32,7 +32,7 @@ std::string heading(const BenchmarksDocumentOptions& options, const std::string&
 }
 
 constexpr const char* kOpening =
-    "This page lists the time and memory that multum's programs and kernels need, next to other programs.";
+    "This page lists the time and memory that multum's programs and kernels need, compared with other programs.";
 
 constexpr const char* kHowToRead =
     "\nTimes depend on the machine and on other programs that run on it. Compared programs therefore run alternately, "
