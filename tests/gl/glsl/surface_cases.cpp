@@ -388,7 +388,7 @@ std::vector<GlslCase> glsl_surface_cases() {
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
       {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 gives an infinite exponent",
         "the exponent is limited to the exponent that stands for a mirror", 1e-6, unit,
-        "only a variance near 1/2 is rounded, by 6e-8"},
+        "a variance near 1/2 is rounded by only 6e-8"},
        {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
        exponents_of_roughness,
        {"multum_exponent", "multum_slope_exponent"}},

@@ -80,8 +80,8 @@ ResultView view_inference(const Json& result) {
   const Json& systems = result.at("systems");
   std::string yardsticks;
   for (const Json& system : systems)
-    yardsticks += (yardsticks.empty() ? "" : "; ") + system.at("system").get<std::string>() + ": " +
-                  system.at("solver").at("yardstick").get<std::string>();
+    yardsticks += (yardsticks.empty() ? "" : "; ") + system.at("solver").at("yardstick").get<std::string>() + " (" +
+                  system.at("system").get<std::string>() + ")";
   const int size = result.at("size").get<int>(), iterations = result.at("iterations").get<int>();
   return {
       "Texture inference against Eigen",
@@ -91,7 +91,7 @@ ResultView view_inference(const Json& result) {
           "The pictures are computed from the texture itself and have little contrast, so no texel reaches a bound. "
           "Both programs therefore compute the same steps of the preconditioned conjugate gradient method. *Eigen* is "
           "the fastest variant of Eigen's `LeastSquaresConjugateGradient`, with one solve per colour. (Eigen solves "
-          "three columns in the same way.) Eigen was compiled for this machine. Its fastest variants were: {3}. "
+          "three columns in the same way.) Eigen was compiled for this machine. Its fastest variants were {3}. "
           "*Iteration* is the time per iteration: the time of {4} iterations minus the time of {5} iterations, divided "
           "by the difference in iterations. *Whole solve* is the time of {4} iterations and of all preparation. *Three "
           "columns at once* is the time of the same iteration for all colours together. The program for this column "
