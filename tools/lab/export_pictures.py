@@ -4,8 +4,8 @@
 
     tools/lab/export_pictures.py MAP... [--bin DIR] [--package DIR]
 
-Every map is drawn as a metal of roughness 0.5 and as a dielectric of 0.25, with 4 and 16 texels per pixel, on a plane
-from above, on a tilted plane and on a sphere. --package is a folder of @multum/three (`multum shaders -o DIR`:
+Every map is drawn as a metal of roughness 0.5 and as a dielectric of roughness 0.25, with 4 and 16 texels per pixel, on
+a plane from above, on a tilted plane and on a sphere. --package is a folder of @multum/three (`multum shaders -o DIR`:
 DIR/three). Errors are relative L1 in % against 8 x 8 samples per pixel of level 0, averaged over the views. Each
 material takes a minute.
 """

@@ -5,9 +5,9 @@
     tools/lab/farm_document.py --simulation build/release/bin/multum-farm-simulation --folder FOLDER \\
       -o docs/evidence/FARM_SCALE.md
 
-FOLDER is on the disk to measure. It needs about 2 GB and 10 to 20 minutes. Settings are tried with 20000 maps, which
-are enough to show their effect on nodes. Only the last run uses all maps. Runs in the file of --state are not repeated,
-and the page states the commit of the first run.
+FOLDER is on the disk that is measured. It needs about 2 GB and 10 to 20 minutes. Settings are tried with 20000 maps,
+which are enough to show their effect on nodes. Only the last run uses all maps. Runs in the file of --state are not
+repeated, and the page states the commit of the first run.
 """
 
 import argparse

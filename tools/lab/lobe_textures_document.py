@@ -64,7 +64,7 @@ def run(*arguments):
 
 
 def evaluations_of(count):
-    """Evaluations per pixel for a file with this many lobes."""
+    """Returns the evaluations per pixel for a file with this many lobes."""
     return 2 ** (count - 1).bit_length()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measured figures that README.md and the pages of docs/ quote, made from docs/evidence.
+"""Makes the measured figures that README.md and the pages of docs/ quote, from docs/evidence.
 
 A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
 from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Common parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, the machine's description."""
+"""Makes parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, and a description of the
+machine."""
 import html
 import math
 import os

@@ -5,8 +5,8 @@ prediction of `multum plan`.
 
     tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/evidence/SHARES.md
 
-FOLDER is on the disk to measure. A map of 16384 x 16384 needs about 8 GB there, and half an hour of two cores without
-other work. Runs in the file of --state are not repeated, but the plan is made again.
+FOLDER is on the disk that is measured. A map of 16384 x 16384 needs about 8 GB there, and takes half an hour on two
+cores without other work. Runs in the file of --state are not repeated, but the plan is made again.
 """
 
 import argparse

@@ -146,7 +146,7 @@ std::vector<NumericalCase> transform_cases() {
   return {
       {{"colours-near-grey", "colour_planes", "each colour difference contains the rounding errors of three colours",
         "the kernel uses fused multiply-add, and adds the smallest product first", 2e-7, "of the largest value",
-        "three numbers, each at most the largest value, are rounded"},
+        "only three numbers are rounded, and none of them exceeds the largest value"},
        colours_near_grey,
        {},
        {},

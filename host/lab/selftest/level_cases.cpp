@@ -313,9 +313,7 @@ std::vector<NumericalCase> level_cases() {
         "normalising a mean r of length 0 divides by zero, and a mean longer than 1 gives a negative kappa",
         "a mean r of length 0 is replaced by +z, |r| is at most 1, the spread is at least 1e-6, and amplitudes are at "
         "least 0.02",
-        1e-4,
-        "error of the direction mu, of the prior C a mu, of log2 of the weight (these three absolute), and of kappa "
-        "(relative)",
+        1e-4, "absolute error of the direction mu, the prior C a mu and log2 of the weight, or relative error of kappa",
         "kappa and its logarithm have errors of 3.3e-5"},
        starts_from_degenerate_lobes,
        {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"}}},

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of ray-traced frames from jobs of `multum infer`: their frames in the order of a video, in 8-bit values as
-on a screen, and errors against other frames."""
+"""Reads fields of ray-traced frames from jobs of `multum infer`: the frames in the order of a video, in 8-bit values as
+on a screen, and their errors compared with other frames."""
 import json
 import pathlib
 import sys
