@@ -210,7 +210,7 @@ class DocumentTest(unittest.TestCase):
         self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
         page = (self.folder / "PLAYBACK.md").read_text()
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
-        measured_at = re.search(r"bytes\. Measured at (.+)\.$", page, re.MULTILINE)
+        measured_at = re.search(r"bytes\. Measured at commits (.+)\.$", page, re.MULTILINE)
         self.assertIsNotNone(measured_at, page)
         # The page also has the tree's own commit, whose name may sort before "1".
         self.assertIn("1", measured_at.group(1).split(", "))

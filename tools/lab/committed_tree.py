@@ -21,7 +21,7 @@ def git(root, *arguments):
     """Returns git's output in the repository of `root`; None if git fails."""
     try:
         run = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
-    except FileNotFoundError:  # no git on this machine
+    except FileNotFoundError:  # git is not installed
         return None
     return run.stdout.strip() if run.returncode == 0 else None
 

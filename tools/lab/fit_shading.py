@@ -6,7 +6,7 @@ For every exponent s and lobe kappa, prints the relative L1 error over the hemis
 angle) of four formulas: only the vMF shape, only the cosine-power shape, Han et al. 2007 eq. 20, and the blend in use.
 Then prints the errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
 `fit_shading.py --fit` also tabulates other values of the blend's constant. `fit_shading.py --cosine` also tabulates
-replacements of max(n . l, 0) under a highlight. Needs numpy; takes about 5 s, with --cosine half a minute."""
+replacements of max(n . l, 0) under a highlight. Needs numpy. Takes about 5 s, or half a minute with --cosine."""
 import sys
 
 import numpy as np

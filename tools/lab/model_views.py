@@ -68,6 +68,10 @@ def megabytes(count):
     return f"{count / 1e6:.2f} MB"
 
 
+def counted(number, noun):
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def byte_text(report):
     texts = []
     for kind, name in (("normal", "Fitted normals need"), ("metallic_roughness", "fitted roughness and metalness need"),
@@ -76,5 +80,5 @@ def byte_text(report):
     fitted = sum(one["fitted"] for one in report["materials"])
     before, after = (megabytes(report[key]) for key in ("bytes_before", "bytes_after"))
     return (f"The size of the model file is {before} before the conversion and {after} after it. "
-            f"Fitted materials: {fitted} of {len(report['materials'])}; texture sets: "
-            f"{len(report['textures'])}. {', '.join(texts)}.")
+            f"The conversion fitted {fitted} of {counted(len(report['materials']), 'material')}, with "
+            f"{counted(len(report['textures']), 'texture set')}. {', '.join(texts)}.")

@@ -27,9 +27,9 @@ import committed_tree
 from debian_python import use_a_python_with
 
 PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
-         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
-RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
-GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
+         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # parts, and kinds of rows
+RATIOS = (192, 384, 768)  # ratios that tables state; parts are compared at the middle ratio
+GROWTH_RATIOS = (96, 192)  # ratios at which fields with more and more parameters are compared
 # Each row: name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
@@ -131,7 +131,7 @@ class FieldMeasurement:
         for name, options, *_ in PACKINGS:
             if (options[-1] if options else "auto") not in coders:
                 continue
-            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # those of tables first
+            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # ratios of tables come first
                 self.rows.measured(self.name, "pack", f"{name}, {ratio:g}:1",
                                    lambda: {"curve": name, "asked": ratio,
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
@@ -154,7 +154,7 @@ class FieldMeasurement:
         for name, options in CODER_SETS:
             row = self.rows.find(self.name, "coder", name)
             if row and "refused" in row and self.programs.unknown_option(options) is None:
-                self.rows.all.remove(row)  # an older binary did not have it
+                self.rows.all.remove(row)  # an older binary did not support this row
             self.rows.measured(self.name, "coder", name, lambda: {
                 "options": " ".join(options), **self.packed_at_main(options)})
 
@@ -269,7 +269,7 @@ def prepared(folder, work, programs, rows, split):
 
     def measure():
         if not (inferred / "inferred.json").exists():
-            shutil.rmtree(inferred, ignore_errors=True)  # of a run that was stopped: its seconds would not count
+            shutil.rmtree(inferred, ignore_errors=True)  # of an interrupted run, whose times are wrong
         done = programs.infer(job, inferred)
         field = Field(job)
         geometry = field.geometry.read_bytes()
@@ -282,7 +282,7 @@ def prepared(folder, work, programs, rows, split):
                 "memory_bytes": done.memory_bytes}
 
     if rows.find(name, "field", "inferred") is None:
-        shutil.rmtree(inferred, ignore_errors=True)  # all of it counts
+        shutil.rmtree(inferred, ignore_errors=True)  # so that the time of the whole run counts
     rows.measured(name, "field", "inferred", measure)
     return name, job, inferred
 
@@ -336,7 +336,8 @@ def at_ratios(rows, name, video_codecs, stated):
         here, best = value_at(own, ratio), leading.get(ratio)
         if here and best:
             words.append(f"{100 * abs(1 - here / best):.0f} % {'lower' if here < best else 'higher'} at {ratio:g}:1")
-    said = f"MSE of `multum pack` compared with {spoken(video_codecs.LEADING)}: {'; '.join(words)}." if words else ""
+    said = (f"Compared with {spoken(video_codecs.LEADING)}, the MSE of `multum pack` is {', '.join(words)}."
+            if words else "")
     return table(head, lines), said
 
 
@@ -469,16 +470,17 @@ def document(rows, names, video_codecs, stated, machine, pictures):
              "A field is a set of ray-traced frames for different values of some parameters ([animation "
              "jobs](../reference/animation_jobs.md)). `multum infer` infers textures from the frames, `multum pack` "
              "packs the textures, and `multum-view sample` unpacks and draws them.",
-             "- *MSE*: mean squared error of red, green and blue in 8-bit values at gamma 2.2, compared with the "
-             "traced frames. The mean includes all pixels of all samples, also silhouettes.\n"
-             "- *Compression*: size of the raw 24-bit frames, divided by the total file size without the geometry of "
-             "the scene. Each section states the size of the geometry.\n"
-             "- Order of frames in videos: the last parameter changes fastest, alternately forwards and backwards. "
+             "- *MSE* is the mean squared error of red, green and blue in 8-bit values at gamma 2.2, compared with "
+             "the traced frames. The mean includes all pixels of all samples, including silhouettes.\n"
+             "- *Compression* is the size of the raw 24-bit frames, divided by the total file size without the "
+             "geometry of the scene. Each section states the size of the geometry.\n"
+             "- In videos, the last parameter changes fastest, alternately forwards and backwards. "
              "Neighbouring frames therefore differ by one step of one parameter.\n"
-             "- Codecs: AV1 is `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
+             "- AV1 is coded by `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
              "quality, BT.709 4:4:4, 10 bit and full range. AVIF codes each frame separately, with `-usage allintra`. "
              "The column *bytes* lists the size of the stream without a container.\n"
-             "- Access: with a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A chunk "
+             "- If a video has a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A "
+             "chunk "
              "of `multum pack` can be decoded independently of other chunks.\n"
              "- Values between measured points are interpolated linearly in the logarithms of compression and MSE."]
     for name in names:
@@ -486,7 +488,7 @@ def document(rows, names, video_codecs, stated, machine, pictures):
         if row is None:
             continue
         commits = ", ".join(sorted({one["commit"].removeprefix("commit ") for one in rows.all if one["field"] == name}))
-        parts += [f"## {name}", f"{field_words(row)} Measured at {commits}.",
+        parts += [f"## {name}", f"{field_words(row)} Measured at commits {commits}.",
                   "Every packed file also needs the geometry, which is not included in the compression ratio: "
                   f"`{row['geometry']}`, {row['geometry_bytes']:,} bytes, or {row['geometry_deflated_bytes']:,} bytes "
                   "after deflation. Frames drawn from the inferred textures, without packing, have an MSE of "

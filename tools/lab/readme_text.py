@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measured figures that README.md and the pages of docs/ quote, made from docs/evidence.
+"""Makes the measured figures that README.md and the pages of docs/ quote, from docs/evidence.
 
 A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
 from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
@@ -18,7 +18,8 @@ MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTAL
 FOREIGN = {"lobe_textures": "tools/lab/lobe_textures_document.py"}
 # Pages that may have measured figures only between the marks.
 MARKED_ONLY = ("README.md", "docs/explanation/")
-# A number with a unit that only a measurement gives; 0 % and 100 % explain what an error means.
+# A number with a unit that only a measurement can give. 0 % and 100 % are excluded, because they explain what an error
+# means.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
 COMMANDS = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\((docs/[^)]*)\)")
@@ -26,7 +27,7 @@ LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mi
 FILTERS = {"taps": "default filter, 4 taps",
            "points": "default filter, 4 evaluations of light per pixel for every method",
            "trilinear": "trilinear filter"}
-EVALUATED = "-points"  # the ending of methods that are shaded at as many points as multum takes evaluations
+EVALUATED = "-points"  # ending of the names of methods that are shaded at as many points as multum uses evaluations
 
 
 class Unreadable(Exception):
@@ -102,9 +103,9 @@ far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wi
 
 {rows}
 
-*Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps.
+*All methods have the same material, light and filter: roughness {roughness(100)} (Blinn-Phong, s = 100) and 4 taps.
 Brackets contain the error of the same method with as many evaluations of light per pixel as lobes need. The reference
-has {made_of["samples"]} samples per pixel; the noise of the reference is {percent(made_of["noise"])}. Normal map:
+has {made_of["samples"]} samples per pixel. The noise of the reference is {percent(made_of["noise"])}. Normal map:
 {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
@@ -251,8 +252,9 @@ def costs(figures, root):
             "frame on an NVIDIA H100, trilinear / 16 x anisotropic, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes
-the normal map's finest level in BC5. (3) These frames read RGBA32F textures; BC5 and BC4 textures are faster to draw.*
+*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes the
+normal map's finest level in BC5. (3) These frames read RGBA32F textures, although BC5 and BC4 textures are faster to
+draw.*
 """
 
 
@@ -264,8 +266,8 @@ def software_times(figures, _root):
     head = ["frame of 1920 x 1080 in software", "trilinear, ms", "default filter, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes {min(ratios):.1f} to
-{max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
+*The table lists medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes
+{min(ratios):.1f} to {max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
 """
 
 
@@ -290,7 +292,7 @@ def whole_bakes(root):
 def bake_costs(_figures, root):
     gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file, takes ([\d.]+) s "
                                         r"with the GPU and ([\d.]+) s on the processor\.")
-    device, count = row_of(root, "GPU.md", r"^(NVIDIA [^;]+?);.*?, (\d+) cores")
+    device, count = row_of(root, "GPU.md", r"^Device: (NVIDIA [^.]+)\..*?, (\d+) cores")
     ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
     return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"
             f"its host. On {few} cores, the bake takes {seconds} s and {mib} MiB of memory. `maketx --bumpslopes`, "

@@ -5,7 +5,7 @@ constants of host/bakes/scene/share_cost.cpp.
 
     tools/lab/share_constants.py --multum build/release/bin/multum  # a table of settings and counts
     tools/lab/share_constants.py --multum build/release/bin/multum --check --size 1024
-                                                                    # exit code 1: an error of over a third
+                                                                    # exit code 1 if an error exceeds a third
 
 The speed of a machine is not an error of the model, so --check compares each part's share of the whole.
 """

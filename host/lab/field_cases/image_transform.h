@@ -15,9 +15,9 @@ namespace multum::reference {
 std::vector<double> block_cosines(const std::vector<double>& image, std::size_t width, std::size_t height,
                                   std::size_t side);
 
-/// Filters a line of n samples, mirrored at its ends, by the analysis filters of the biorthogonal 9/7 wavelets.
-/// Returns ceil(n / 2) low coefficients, the sums of `h(j) * x(2 k + j)`, and then floor(n / 2) high coefficients, the
-/// sums of `g(j) * x(2 k + 1 + j)`. A line of one sample does not change.
+/// Filters a line of n samples, mirrored at its ends, by the analysis filters of the biorthogonal 9/7 wavelets. First
+/// returns ceil(n / 2) low coefficients, which are the sums of `h(j) * x(2 k + j)`. Then returns floor(n / 2) high
+/// coefficients, the sums of `g(j) * x(2 k + 1 + j)`. A line of one sample does not change.
 std::vector<double> wavelet_line(const std::vector<double>& line);
 
 /// Transforms an image [height][width] by `depth` levels, rows before columns. Each further level transforms the low

@@ -19,8 +19,8 @@ struct InferenceProblem {
 /// Returns f(x).
 double objective(const InferenceProblem& problem, const std::vector<double>& texels);
 
-/// One entry of the bilinear interpolation of level l + 1 at the texels of level l: fine texel, coarse texel and
-/// weight.
+/// An entry of the matrix that interpolates level l + 1 bilinearly at the texels of level l: the fine texel, the coarse
+/// texel and the weight.
 struct InterpolationEntry {
   int fine, coarse;
   double weight;

@@ -13,7 +13,7 @@ namespace multum {
 /// Returns Markdown with one table per formula, in the order of the runs' cases.
 std::string stability_page(const std::vector<NumericalRun>& runs);
 
-/// Names of the cases on a page, in its order.
+/// Lists the names of the cases on a page, in the order of the page.
 std::vector<std::string> cases_of_page(const std::string& page);
 
 }  // namespace multum

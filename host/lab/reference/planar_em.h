@@ -23,14 +23,14 @@ glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
 /// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
-/// sigma^2 of facets with normalised Blinn-Phong distribution of exponent s, around a normal whose projection has the
-/// square `mean_square`.
+/// Returns the sigma^2 of facets with a normalised Blinn-Phong distribution of exponent s, around a normal whose
+/// projection has the square `mean_square`.
 double facet_variance(double s, double mean_square);
 
-/// Density per solid angle, at the unit vector h, of a filtered lobe (a mu, a (2 sigma^2 + |mu|^2), a) with such
-/// facets.
+/// Returns the density per solid angle, at the unit vector h, of a filtered lobe (a mu, a (2 sigma^2 + |mu|^2), a) with
+/// such facets.
 double gmm_density(const glm::dvec4& lobe, double s, const glm::dvec3& h);
-/// a max(mu . l, 0), with mu lifted to the sphere.
+/// Returns a max(mu . l, 0), where mu is lifted to the sphere.
 double gmm_lambert(const glm::dvec4& lobe, const glm::dvec3& light);
 
 }  // namespace multum::reference

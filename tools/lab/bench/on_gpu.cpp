@@ -115,7 +115,7 @@ class OnGpuRun {
     return json;
   }
 
-  // Runs a program for at most this many seconds; its exit code must be one of `expected`.
+  // Runs a program for at most this many seconds. Its exit code must be one of `expected`.
   ChildResult child(const std::vector<std::string>& command, double seconds, const std::vector<int>& expected = {0}) {
     ChildLimits limits;
     limits.time_max = std::chrono::milliseconds(static_cast<long>(seconds * 1000.0));

@@ -21,7 +21,7 @@ def constraint_sets():
     for rows, columns, stiffness in ((0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.5), (1, -1, 0.5), (0, 2, 0.15), (2, 0, 0.15)):
         first = index[:SIDE - rows, max(0, -columns):SIDE - max(0, columns)]
         second = index[rows:, max(0, columns):SIDE + min(0, columns)]
-        # pairs that follow each other along the constraint's direction share a vertex, so each set has every other pair
+        # successive pairs along the constraint's direction share a vertex, so each set has every other pair
         place = np.arange(first.shape[0])[:, None] // rows if rows else np.arange(first.shape[1])[None, :] // columns
         odd = np.broadcast_to(place % 2 == 1, first.shape)
         rest = spacing * np.hypot(rows, columns)
@@ -79,7 +79,7 @@ def write_obj(path, positions, repeats):
                       "vn {:.6f} {:.6f} {:.6f}".format(*normals[row, column])]
     for row in range(SIDE - 1):
         for column in range(SIDE - 1):
-            first = row * SIDE + column + 1  # OBJ counts from 1
+            first = row * SIDE + column + 1  # OBJ files count from 1
             corners = (first, first + 1, first + SIDE + 1, first + SIDE)
             lines.append("f " + " ".join(f"{k}/{k}/{k}" for k in corners))
     path.write_text("\n".join(lines) + "\n")

@@ -164,7 +164,7 @@ def pages_that_play(study, fields):
     for field in fields:
         try:
             page, packed = field.page_that_plays()
-        except StepFailed as failure:  # as by a multum without the decoder for browsers
+        except StepFailed as failure:  # this multum was built without the decoder for browsers
             study.paragraph(f"{DEMOS[field.name]}: left out. {str(failure).splitlines()[-1]}")
             continue
         file, title = f"{field.name}_plays.html", DEMOS[field.name]
@@ -186,7 +186,7 @@ def reproduce(study):
         for figure in figures:
             figure(study, field)
     study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
-                    "mapping. This forward mapping splats pixels bilinearly; the paper resamples with a",
+                    "mapping. This forward mapping splats pixels bilinearly, whereas the paper resamples with a",
                     "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio relative to the "
                     "paper's forward mapping. docs/evidence/PLAYBACK.md plots error against size, and shows the effect "
                     "of each part of the coder.")

@@ -18,11 +18,11 @@ import OpenImageIO as oiio
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
 
-# multum-view's name of the picture to which others are compared: many samples of the finest normals per pixel.
+# multum-view's name of the reference picture, which has many samples of the finest normals per pixel.
 REFERENCE = "reference"
 # A filter with elongated footprints, for every method that supports one.
 ELONGATED_FILTER = ("--taps", "8")
-ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear
+ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # a plain trilinear filter
 
 
 class StepFailed(Exception):
@@ -121,7 +121,7 @@ class Study:
         self.has_made_maps = True
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
         self.strips = []  # (file of the folder, its name in docs/evidence/images)
-        self.markdown = []  # the same for docs/evidence/PAPERS.md: headings, paragraphs, tables and strips
+        self.markdown = []  # headings, paragraphs, tables and strips for docs/evidence/PAPERS.md
         folder.mkdir(parents=True, exist_ok=True)
 
     # ---- steps
@@ -252,8 +252,8 @@ class Study:
         # Leaves out paragraphs that introduce a picture of the HTML page.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]
-        return "\n\n".join([f"## {self.title}", of_maps + "Measured with " +
-                            machine_words(self.devices, self.contexts, self.versions),
+        return "\n\n".join([f"## {self.title}", of_maps + "Measured on this system (" +
+                            machine_words(self.devices, self.contexts, self.versions) + ").",
                             *parts]) + "\n"
 
     def write_document_pictures(self, folder):

@@ -143,7 +143,7 @@ def camera(distance):
 
 def boiling(study):
     study.heading("The surface's level from its projection")
-    study.paragraph("The camera zooms out over 14 frames; in each frame, the distance grows by 8 %. Boiling is the "
+    study.paragraph("The camera zooms out over 14 frames. In each frame, the distance grows by 8 %. Boiling is the "
                     "change between frames that does not occur in the reference. The reference is the finest surface "
                     "with 6 x 6 samples per pixel. If the level keeps points at a constant distance in pixels, the "
                     "level changes smoothly. Whole levels change in visible jumps.")

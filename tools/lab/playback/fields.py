@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of ray-traced frames from jobs of `multum infer`: their frames in the order of a video, in 8-bit values as
-on a screen, and errors against other frames."""
+"""Reads fields of ray-traced frames from jobs of `multum infer`: the frames in the order of a video, in 8-bit values as
+on a screen, and their errors compared with other frames."""
 import json
 import pathlib
 import sys
@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 GAMMA = 2.2
-WHOLE = 1 - 1 / 512  # coverage of a pixel that one object has to itself
+WHOLE = 1 - 1 / 512  # least coverage of a pixel that only one object covers
 
 
 def read_channels(path, names):

@@ -17,8 +17,8 @@ nlohmann::ordered_json make_result(const std::string& benchmark, const std::stri
 /// Throws Error(kInput) that names the file if it is not the result of a known benchmark.
 nlohmann::ordered_json read_result(const std::string& path);
 
-/// Returns a text such as "commit 0123abc, GNU 12.2.0, Release; AMD EPYC, 2 cores, 23 GiB of memory, Debian GNU/Linux
-/// 12 (bookworm)".
+/// Returns a sentence such as "The program was built from commit 0123abc (GNU 12.2.0, Release), and ran on AMD EPYC, 2
+/// cores, 23 GiB of memory, Debian GNU/Linux 12 (bookworm)."
 std::string conditions_text(const nlohmann::ordered_json& result);
 
 /// Throws exceptions of nlohmann if a result lacks a key.

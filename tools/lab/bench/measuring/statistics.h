@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Median and quartiles of repeated measurements, as numbers, JSON and text.
+// Computes the median and the quartiles of repeated measurements, as numbers, JSON and text.
 #pragma once
 
 #include <nlohmann/json.hpp>

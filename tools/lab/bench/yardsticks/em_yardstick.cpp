@@ -29,7 +29,7 @@ typedef int I __attribute__((vector_size(kLanes * sizeof(int))));
 
 constexpr float kLog2E = 1.44269504f;
 constexpr int kChunkSamples = 4096;
-constexpr int kSampleFloats = 3 * MULTUM_GROUP;  // per group: x, y and z
+constexpr int kSampleFloats = 3 * MULTUM_GROUP;  // x, y and z of each texel in a group
 
 V splat(float x) { return V{} + x; }
 V load(const float* p) {
@@ -236,7 +236,7 @@ void fit_lanes(const YardstickLevel& level, int group, int first_lane, float* ou
   }
 }
 
-// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel; then comes one M-step with the
+// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel. One M-step follows, with the
 // lobes in lane 0.
 template <int kLobes>
 void fit_texel(const YardstickLevel& level, int texel, float* out) {
@@ -304,7 +304,8 @@ std::vector<float> fit(const YardstickLevel& level) {
       for (int lane = 0; lane < MULTUM_GROUP; lane += kLanes) fit_lanes<kLobes>(level, group, lane, out.data());
     }
   } else {
-    // With at least as many texels as threads, each thread fits whole texels. Otherwise threads share a texel's chunks.
+    // If there are at least as many texels as threads, each thread fits whole texels. Otherwise threads share a texel's
+    // chunks.
 #pragma omp parallel for schedule(dynamic) if (level.texel_count >= omp_get_max_threads())
     for (int texel = 0; texel < level.texel_count; ++texel) fit_texel<kLobes>(level, texel, out.data());
   }

@@ -10,13 +10,14 @@
 
 namespace multum::bench {
 
-/// Samples and starts in the kernels' layouts (kernels/shared/movmf_fit.h), whole texels only (no weights).
+/// Samples and starts in the kernels' layouts (kernels/shared/movmf_fit.h). Contains only whole texels, so there are no
+/// weights.
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
   int group_count;       // number of groups, of 16 texels each
   int sample_count;      // samples per texel
-  const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
+  const float* samples;  // [group][sample][3][16]; if null, the planes are used, one texel after another
   const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
   float kappa_cap;
   float kappa_cap_slope;

@@ -12,9 +12,9 @@
 namespace multum::bench {
 
 enum class YardstickForm {
-  kRowMajor,      // LeastSquaresConjugateGradient, one solve per colour: A gathers, A^T scatters
-  kColumnMajor,   // as kRowMajor, but A scatters and A^T gathers
-  kThreeColumns,  // the same iteration, written with Eigen's products for three columns; A and A^T gather
+  kRowMajor,      // LeastSquaresConjugateGradient with one solve per colour; A gathers, and A^T scatters
+  kColumnMajor,   // as kRowMajor, but A scatters, and A^T gathers
+  kThreeColumns,  // the same iteration, written with Eigen's products for three columns; A and A^T both gather
 };
 
 struct YardstickWay {
