@@ -102,7 +102,8 @@ void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
                                  ->needs(manifest);
   bake.add_flag("--dry-run", o.run.dry_run, "with --check: only list findings, and bake nothing")->needs(check);
   bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; -: to stdout")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; - writes to stdout")
+      ->needs(manifest);
   check->excludes("--force");
 }
 

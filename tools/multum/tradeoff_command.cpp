@@ -79,7 +79,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   CLI::Option* error =
       command
           ->add_option("--target-error", o->job.error,
-                       "choose the cheapest settings within this relative L1 error of pixels (0.1: 10 %)")
+                       "choose the cheapest settings within this relative L1 error of pixels (0.1 is 10 %)")
           ->check(CLI::PositiveNumber);
   command
       ->add_option("--budget-ms", o->budget_ms,

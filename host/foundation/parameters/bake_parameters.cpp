@@ -27,8 +27,8 @@ Rows source_rows() {
   Rows rows = {
       {.name = "bumpformat",
        .kind = Kind::kChoice,
-       .help = "set the kind of map; auto: detect it from statistics; packed16 to mapbox: heights whose bytes are in "
-               "red, green and blue",
+       .help = "set the kind of map; auto detects it from statistics; packed16 to mapbox are heights whose bytes are "
+               "in red, green and blue",
        .default_text = "auto",
        .choices = choice_names(kBumpFormats),
        .hashed_as = "bump_format",
@@ -71,7 +71,7 @@ Rows source_rows() {
        .surfaces = kEverywhere},
       {.name = "normal_scale",
        .kind = Kind::kNumber,
-       .help = "multiply x and y of a normal map, like normalTexture.scale in glTF",
+       .help = "multiply x and y of a normal map by this, like normalTexture.scale in glTF",
        .low = -kUnbounded,
        .high = kUnbounded,
        .default_text = "1",
@@ -186,8 +186,8 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "reference",
-       .help = "fit every normal at every level with 30 iterations and no early stop: slower; the defaults are "
-               "compared with this fit",
+       .help = "fit every normal at every level with 30 iterations and no early stop; this is slower, and the defaults "
+               "are compared with it",
        .hashed_as = "settled_change",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -239,13 +239,14 @@ Rows fit_rows() {
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",
-       .help = "choose the start of the coarsest level without test fits on a small proxy map; saves half a second",
+       .help =
+           "choose the start of the coarsest level without test fits on a small proxy map; this saves half a second",
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "farthest_start",
        .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; for "
-               "comparison: usually a worse fit",
+               "comparison, because the fit is usually worse",
        .hashed_as = "farthest_start",
        .surfaces = kJob},
       {.name = "unaligned",
@@ -255,7 +256,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "align",
        .kind = Kind::kNumber,
-       .help = "set the weight of the prior that aligns lobes with those of parent and neighbours; 0: no prior",
+       .help = "set the weight of the prior that aligns lobes with those of parent and neighbours; 0 disables it",
        .low = 0,
        .high = 10,
        .default_text = "0.1",
@@ -286,7 +287,7 @@ Rows fit_rows() {
        .hashed_as = "iterations_top"},
       {.name = "convergence_tolerance",
        .kind = Kind::kNumber,
-       .help = "relative change of kappa, weight and direction below which a texel has converged; 0: never",
+       .help = "relative change of kappa, weight and direction below which a texel has converged; 0 disables the test",
        .low = 0,
        .high = 0.1,
        .default_text = "0.01",
@@ -319,8 +320,8 @@ Rows fit_rows() {
 Rows target_rows() {
   return {{.name = "target_error",
            .kind = Kind::kNumber,
-           .help = "choose the cheapest settings within this relative L1 error of pixels (0.1: 10 %); if none "
-                   "reach it, write nothing and exit with code 5",
+           .help = "choose the cheapest settings within this relative L1 error of pixels (0.1 is 10 %); if none reach "
+                   "it, write nothing and exit with code 5",
            .high = 2,
            .low_excluded = true,
            .excludes = {"budget_ms"},
@@ -344,7 +345,7 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "error_max",
            .kind = Kind::kNumber,
-           .help = "fail if the relative L1 error of the worst level and BRDF is above this (0.1: 10 %)",
+           .help = "fail if the relative L1 error of the worst level and BRDF is above this (0.1 is 10 %)",
            .high = kUnbounded,
            .low_excluded = true,
            .surfaces = kInManifest}};
@@ -360,12 +361,12 @@ Rows run_rows() {
       {.name = "no_measure", .help = "skip measuring the error of the output", .surfaces = kOnCommandLine | kInService},
       {.name = "report",
        .kind = Kind::kText,
-       .help = "write times, counts and errors as JSON; for several maps: a folder or a name with <UDIM>",
+       .help = "write times, counts and errors as JSON; for several maps, name a folder or use <UDIM>",
        .unit = "FILE",
        .surfaces = kOnCommandLine},
       {.name = "scalar",
-       .help =
-           "run the kernels as on a GPU (scalar, with teams of work-items and copies): the same result, slower on CPUs",
+       .help = "run the kernels as on a GPU (scalar, with teams of work-items and copies); the result is the same, but "
+               "CPUs are slower",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
@@ -376,7 +377,7 @@ Rows run_rows() {
       {.name = "resume", .help = "resume an interrupted bake of the same output", .surfaces = kOnCommandLine},
       {.name = "region",
        .kind = Kind::kText,
-       .help = "fit only this edited part again and keep the rest of --onto; auto: find the part that changed",
+       .help = "fit only this edited part again and keep the rest of --onto; auto finds the part that changed",
        .unit = "X,Y,W,H|auto",
        .surfaces = kOnCommandLine},
       {.name = "onto",

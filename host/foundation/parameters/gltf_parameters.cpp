@@ -30,9 +30,9 @@ std::vector<Parameter> gltf_rows() {
                    "KHR_texture_basisu, which is then not required",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          form_parameter(
-              "the cheapest of these forms and the old textures within 0.2 points of the lowest error in pictures",
-              "auto", kOnCommandLine),
+          form_parameter("the cheapest of these forms and the old textures whose error in pictures is "
+                         "within 0.2 points of the lowest",
+                         "auto", kOnCommandLine),
           engine_parameter(kOnCommandLine),
           uastc_effort_parameter(kOnCommandLine),
           encoder_parameter(kOnCommandLine),

@@ -35,7 +35,7 @@ std::vector<Parameter> target_parameters() {
        .surfaces = kPackJob},
       {.name = "lambda",
        .kind = ParameterKind::kNumber,
-       .help = "weigh one bit against this much squared error",
+       .help = "count one bit as this much squared error",
        .low = 1e-4,
        .high = 1e9,
        .surfaces = kPackJob}};

@@ -65,8 +65,8 @@ const ParameterTable& mip_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {{.name = "colours",
                   .kind = Kind::kChoice,
-                  .help = "read numbers as srgb, linear or data (not colours; may be negative); auto: integers "
-                          "as sRGB unless the file says otherwise, floats as linear",
+                  .help = "read numbers as srgb, linear or data (not colours; may be negative); auto reads integers as "
+                          "sRGB unless the file says otherwise, and floats as linear",
                   .default_text = "auto",
                   .choices = choice_names(kColourEncodings),
                   .surfaces = kOnCommandLine},

@@ -41,8 +41,8 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
 Parameter lobe_anisotropy_parameter(unsigned surfaces) {
   return {.name = "anisotropy",
           .help =
-              "fit lobes that are longer than wide (KHR_materials_anisotropy); only for renderers that turn"
-              " tangents to the normal of the map",
+              "fit lobes that are longer than wide (KHR_materials_anisotropy); only for renderers that align tangents "
+              "with the normal of the map",
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
@@ -162,7 +162,7 @@ std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& defaul
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
                           .help = std::string("continue the map beyond its border in this way") +
-                                  (with_auto ? "; auto: periodic if the map tiles, else clamp" : ""),
+                                  (with_auto ? "; auto is periodic if the map tiles, else clamp" : ""),
                           .default_text = default_text,
                           .choices = modes,
                           .hashed_as = "wrap",

@@ -158,7 +158,7 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path named = fs::path(path).lexically_normal();
   const std::string name = named.filename().string();
   if (name.empty() || name == ".." || name.starts_with(".multum-"))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a name for a result", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a valid name for a result", path));
   check_name_length(path, name);
   std::error_code error;
   const fs::path folder = fs::canonical(named.parent_path(), error);
