@@ -208,8 +208,9 @@ void add_plan_command(CLI::App& app, int* exit_code) {
           "predict the processor time of shares 0/N to N/N of one map and of their merge (docs/how-to/clusters.md)")
       ->type_name("N")
       ->check(CLI::Range(2, 4096));
-  plan->add_option("--share-seconds", options->share_seconds,
-                   "divide one map into bands that take about this many seconds of processor time each; 0: one process")
+  plan->add_option(
+          "--share-seconds", options->share_seconds,
+          "divide one map into bands that take about this many seconds of processor time each; 0 keeps one process")
       ->check(CLI::NonNegativeNumber);
   plan->add_option("-o,--output", options->output, "write the plan as JSON to this file");
   plan->add_option("--width", options->width,

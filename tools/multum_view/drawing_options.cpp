@@ -40,8 +40,9 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
 }
 
 void add_shading_options(CLI::App& app, ShadingOptions& options) {
-  add_choice(app, "--formula", options.formula, kLobeFormulas,
-             "combine lobe and BRDF by the product of mean cosines (product), or as Han et al. 2007, eq. 20 (paper)");
+  add_choice(
+      app, "--formula", options.formula, kLobeFormulas,
+      "combine lobe and BRDF by the product of mean cosines (product), or as in Han et al. 2007, eq. 20 (paper)");
   app.add_flag("--shade-first", options.shade_first,
                "shade the lobes of all eight texels of a trilinear lookup, then mix the light; slow, for --unaligned "
                "bakes");
@@ -49,7 +50,7 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
       app, "--surface", options.surface, kMapSurfaces,
       "magnify lobes of level 0 by blending the light of the texels (texels), or by interpolating the normal map "
       "as engines do (interpolated)")
-      ->default_str("as --reference-texels, else texels");
+      ->default_str("the value of --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
              "shade a file of moments by this method (default: lean-jacobian); under --environment, all are drawn like "
              "toksvig");
@@ -66,15 +67,14 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const bias =
       add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values are sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
-  CLI::Option* const shade = app.add_flag(
-      "--shade-taps,!--no-shade-taps", options.filter.shades_taps,
-      "shade each of --taps and average the light; --no-shade-taps (default): average the lookups and shade "
-      "once, which is faster and less accurate");
+  CLI::Option* const shade = app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
+                                          "shade each of --taps and average the light; --no-shade-taps (default) "
+                                          "averages the lookups and shades once, which is faster and less accurate");
   CLI::Option* const evaluations =
       app.add_option_function<int>(
              "--evaluations", [&options](const int& count) { options.evaluations = count; },
-             "evaluate the light of the map this often per pixel; 0: once per lobe (default: the number of lobes, "
-             "rounded up to a power of two)")
+             "evaluate the light of the map this many times per pixel, or once per lobe if 0 (default: the number of "
+             "lobes, rounded up to a power of two)")
           ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
   app.add_option_function<float>(
@@ -136,8 +136,8 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more are "
-                 "slower and lower the error")
+                 "fit measured facets (under an environment, all facets) by a sum of this many vMF densities; more "
+                 "densities are slower and lower the error")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,

@@ -30,7 +30,7 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
   app.add_option_function<std::string>(
       "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
       "also draw these pictures: a list of reference, mip, toksvig, lean, lean-jacobian, points, toksvig-points, "
-      "lean-points, lean-jacobian-points; with reference: print relative L1 errors");
+      "lean-points, lean-jacobian-points; with reference, print relative L1 errors");
   CLI::Option* const samples =
       app.add_option("--samples", options.sampling.sample_count,
                      "draw the reference with this many samples per pixel (default: as --reference-noise needs)")
@@ -61,7 +61,7 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       ->excludes(texels)
       ->default_str("pixel");
   app.add_option("--keep-reference", options.kept_reference,
-                 "keep the reference in this file, and read it if the file exists: for other bakes of the same map "
+                 "keep the reference in this file, and reuse it if the file exists: for other bakes of the same map "
                  "with the same view, BRDF and lights");
 }
 
@@ -161,8 +161,8 @@ void check_map_options(const MapOptions& options) {
     throw Error(ErrorCode::kUsage, "--distance requires --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
     throw Error(ErrorCode::kUsage,
-                "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, with which "
-                "the driver filters");
+                "--reference-of texels averages the texels that --taps and --level-bias select; found --anisotropy, "
+                "which lets the driver filter");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())

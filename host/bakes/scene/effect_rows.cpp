@@ -186,7 +186,7 @@ class EffectRows {
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
-                : fmt::format("at most {:.2f} of 1, at level {}{}", anisotropy, at,
+                : fmt::format("its largest value is {:.2f} of 1, at level {}{}", anisotropy, at,
                               needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
   }
 

@@ -42,8 +42,8 @@ void add_fresnel(const SceneDescription& scene, const SceneObject& object, const
   const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
   const bool needed = fixed.change > margin;
   const std::string bound = fmt::format(
-      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a constant has an error of at most {}, the "
-      "margin is {}",
+      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f} degrees): a constant Fresnel term has an error "
+      "of at most {}, and the margin is {}",
       v_h, object.tilt_max, std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
       percent_text(fixed.change), percent_text(margin));
   add_row(plan, "Fresnel", needed, bound);

@@ -234,7 +234,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                                  reached_text(chosen.judged()), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
-  text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
+  text += fmt::format("; tried {} of {} settings on a mosaic, and baked {}\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
     // The most accurate of the cheaper settings shows that no cheaper settings suffice.

@@ -260,7 +260,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "keep images of each coarser level of the pyramid this many times longer")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "decode with this many threads; 0: one per core")
+  app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--debug-picture", options.debug_picture,

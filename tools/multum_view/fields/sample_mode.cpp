@@ -201,7 +201,7 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
       ->required();
   app.add_option(
          "--at", options.samples,
-         "draw this sample: its index along each parameter, such as 3,5, or its name; repeatable, with an -o each")
+         "draw this sample: its index along each parameter, such as 3,5, or its name; repeatable, with one -o each")
       ->required()
       ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
   app.add_option("-o,--output", options.outputs, "picture of each sample to write: .png (sRGB) or .exr (linear floats)")

@@ -261,9 +261,9 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
       ->required();
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
-  add_level_bias_option(app, options.level_bias,
-                        "add this to the level (default: 0 for colours; -0.79, the width of a pixel, for reflected "
-                        "light)");
+  add_level_bias_option(
+      app, options.level_bias,
+      "add this to the level (default: 0 for colours; -0.79 for reflected light, which blurs like one pixel)");
   app.add_option("--samples", options.samples, "draw the reference with this many samples per pixel")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

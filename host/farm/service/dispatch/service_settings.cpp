@@ -226,9 +226,10 @@ void check_slurm(const SlurmSettings& settings) {
         ErrorCode::kUsage,
         fmt::format("the folder of [slurm] {}: expected a folder with the same path on all nodes", settings.folder));
   if (found.st_uid != ::geteuid() || (found.st_mode & 022) != 0)
-    throw Error(ErrorCode::kUsage, fmt::format("the folder of [slurm] {}: other users own it or may write there, "
-                                               "expected a folder for only the service's user (chmod 700)",
-                                               settings.folder));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the folder of [slurm] {}: other users own it or may write to it, expected a folder that "
+                            "only the user of the service may use (chmod 700)",
+                            settings.folder));
 }
 
 }  // namespace

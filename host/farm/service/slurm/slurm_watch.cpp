@@ -367,9 +367,9 @@ void SlurmPool::send_again(std::int64_t number) {
     return settle(parts);
   }
   ++counters_.forgotten;
-  service_log(
-      LogSeverity::kWarning, parts.front().job,
-      fmt::format("Slurm no longer knows its job {}, or did not start it: sent again", old.slurm_job.value_or(0)));
+  service_log(LogSeverity::kWarning, parts.front().job,
+              fmt::format("Slurm no longer knows its job {}, or did not start it; it is sent again",
+                          old.slurm_job.value_or(0)));
   replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not start it; it was sent again");
 }
 
