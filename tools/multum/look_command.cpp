@@ -94,8 +94,8 @@ void add_look_command(CLI::App& app, int* exit_code) {
       "- a KTX2 file of multum export --lobes without --zstd\n"
       "- a normal map of the same size with 8 bits per channel\n"
       "- a model: NAME.glb, or NAME.gltf with its files (at most a million triangles, no required extensions)\n\n"
-      "A dropped baked file has no one-lobe export. --source maps may have 2048 texels per side, and all maps\n"
-      "together 4 times 2048 x 2048 texels.");
+      "A dropped baked file has no one-lobe export. --source maps may have up to 2048 texels per side, and all maps\n"
+      "together up to 4 times 2048 x 2048 texels.");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });
 }
 

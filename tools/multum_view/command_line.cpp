@@ -62,9 +62,9 @@ const ViewCommand kOwnCommands[] = {
      "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
      "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
-     "environment_processor_ms in the report is the processor time for the light of a frame. made is the time\n"
-     "for its maps: a whole environment for the first and last frame, else a mixture of both. set is the time for\n"
-     "uploads and, with --environment-mode sh, harmonics over the half vectors of the frame.",
+     "In the report, environment_processor_ms is the processor time for the light of a frame. Its key made is the\n"
+     "time for maps: a whole environment for the first and last frame, and a mixture of both for the others. Its\n"
+     "key set is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors.",
      add_animate_options, run_animate},
     {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
@@ -112,9 +112,9 @@ const char* const kExamples =
     "  multum-view bricks.ndf.exr --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian -o "
     "sheet.png\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
-    "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the same filter. points,\n"
-    "toksvig-points and so on shade the averaged normals at several points of each pixel: as many as the baked map\n"
-    "needs evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
+    "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the same filter. The methods points,\n"
+    "toksvig-points and so on shade the averaged normals at several points of each pixel, one point per evaluation\n"
+    "of the baked map. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
     "--environment, lean is the same as toksvig. For a file with roughness, the points pictures use unit normals\n"
     "and a roughness map whose levels average perceptual roughness, as in engines. The reference is read with the\n"
     "settings of the bake, so a wrong --green affects both unless --green is given here.\n\n"
@@ -123,8 +123,8 @@ const char* const kExamples =
     "most similar lobes are merged. On a mesh, lobes are read at 2 x 2 places of the pixel and rotated by the\n"
     "surface frame at each place. The default is 0 with --shade-taps, --shade-first, --formula paper and\n"
     "--reference-of texels, and for one lobe, planar Gaussians, moments and harmonics.\n\n"
-    "--anisotropy: the software renderer of Mesa 22.3 draws 2, 4 and 16 alike, and then filters maps\n"
-    "wrongly if their sides are not powers of two.\n\n"
+    "--anisotropy: the software renderer of Mesa 22.3 draws the same picture for 2, 4 and 16, and filters maps\n"
+    "wrongly unless their sides are powers of two.\n\n"
     "Options about reading the map, from --bumpformat to --repair-max, apply to --source. Their defaults are\n"
     "the settings of the bake.";
 

@@ -517,7 +517,7 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     // The stated time excludes trials: both places say how many trials there may be and how long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"and the trials (up to 24 per map, a few seconds in total)"});
+      expect_says(part, {"plus the trials (up to 24 per map, a few seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target))
         << "the chosen settings need not have a lower error than the target";
   }
