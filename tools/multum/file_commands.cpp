@@ -255,7 +255,7 @@ int run_devices(const std::string& report, bool prints_json) {
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
   if (prints_json) return 0;
   for (const DeviceInfo& d : devices)
-    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
+    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers up to %.1f GiB)\n", d.index, d.name.c_str(),
                 d.platform.c_str(), d.driver.c_str(), d.is_cpu ? "CPU" : "GPU",
                 static_cast<double>(d.memory_bytes) / (1u << 30), static_cast<double>(d.buffer_bytes_max) / (1u << 30));
   return 0;

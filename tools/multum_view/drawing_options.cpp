@@ -83,7 +83,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
            options.anisotropy = anisotropy;
            options.filter.is_drivers = true;
          },
-         "let the driver filter with this anisotropy; drivers differ")
+         "let the driver filter with this anisotropy; results depend on the driver")
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)
@@ -144,14 +144,13 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
                   "set the diffuse reflectance, grey or r,g,b (default: 0.5, or the measured one); once per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
-  add_parsed_list(
-      app, "--specular", options.specular, parse_colour,
-      "set the specular factor, grey or r,g,b (default: 0.1, or 1 for BRDFs with Fresnel or measured ones); "
-      "once per --brdf")
+  add_parsed_list(app, "--specular", options.specular, parse_colour,
+                  "set the specular factor, grey or r,g,b (default: 0.1, or 1 for measured BRDFs and BRDFs with "
+                  "Fresnel); once per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
-             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and leave its code out");
+             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and omit its code");
 }
 
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {

@@ -114,14 +114,14 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts) options.lights.push_back(parse_light("--to-light", text));
       },
-      "set --light of the last frame; give as many as --light");
+      "set --light of the last frame; give it as often as --light");
   app.add_option_function<std::vector<std::string>>(
       "--to-point-light",
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts)
           options.point_lights.push_back(parse_point_light("--to-point-light", text));
       },
-      "set --point-light of the last frame; give as many as --point-light");
+      "set --point-light of the last frame; give it as often as --point-light");
   app.add_option(
       "--to-environment", options.environment,
       "fade --environment into this environment of the same size; harmonics and filtered levels change in every frame");

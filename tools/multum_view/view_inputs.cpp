@@ -251,7 +251,7 @@ void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
     log_warning(
         options.file,
-        fmt::format("has colours from level {} on; without --albedo finer levels use the colours of level {}, blurred",
+        fmt::format("has colours from level {} on; without --albedo, finer levels use blurred colours of level {}",
                     baked.first_level, baked.first_level));
 }
 

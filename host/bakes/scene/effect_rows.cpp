@@ -229,7 +229,7 @@ class EffectRows {
     const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, needs_.diffuse_by, model); };
     add_row("colours of each lobe", plan_.chosen.lobe_colours,
             fmt::format("{} of the colour variance is between {} lobes; the error of diffuse light is {} with one "
-                        "colour per texel, {} with one colour per lobe",
+                        "colour per texel, and {} with one colour per lobe",
                         percent_text(correlation), lobes, percent_text(error(ColourModel::kMean)),
                         percent_text(error(ColourModel::kLobes))),
             plan_.chosen.lobe_colours ? chosen_without(none) : saved_by([&](BakeShape& s) {

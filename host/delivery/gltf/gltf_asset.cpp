@@ -67,7 +67,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
     if (depth > kGltfDepthMax)
       refuse_file(path, fmt::format("nests its JSON deeper than the limit of {} levels", kGltfDepthMax));
     if (++count > kGltfValuesMax)
-      refuse_file(path, fmt::format("has more than {} values in its JSON, the limit", kGltfValuesMax));
+      refuse_file(path, fmt::format("has more than {} values in its JSON, which is the limit", kGltfValuesMax));
     return true;
   };
   try {

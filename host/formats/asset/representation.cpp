@@ -88,7 +88,7 @@ const std::vector<RepresentationInfo>& representations() {
        .name = "sh",
        .version = 1,
        .encodings = wide,
-       .help = "spherical harmonics (Han 2007), for diffuse and broad highlights; needs no fitting",
+       .help = "spherical harmonics (Han 2007), for diffuse light and broad highlights; they need no fitting",
        .contents = "spherical harmonics",
        .lobes = nullptr,
        .has_kappa = false,

@@ -92,7 +92,7 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
   const std::vector<double> numbers = numbers_of(path, text);
   const double first = numbers.empty() ? 0.0 : numbers[0];
   if (first < 3.0 || first > 1000.0 || first != std::floor(first))
-    refuse_file(path, fmt::format("found {} as the number of wavelengths, expected 3 to 1000", first));
+    refuse_file(path, fmt::format("found {} wavelengths, expected 3 to 1000", first));
   const auto count = static_cast<std::size_t>(first);
   const std::size_t width = 4 + count;
   if (numbers.size() < 1 + count + width || (numbers.size() - 1 - count) % width != 0)
@@ -190,7 +190,7 @@ void read_network(const std::string& path, const std::string& text, BrdfCells& c
     refuse_nul(text, path);
     layers = network_layers(path, nlohmann::json::parse(text));
   } catch (const nlohmann::json::exception& error) {
-    refuse_file(path, std::string("expected JSON with layers of kernel and bias: ") + error.what());
+    refuse_file(path, std::string("expected JSON with layers, each with a kernel and a bias: ") + error.what());
   }
   constexpr int kAzimuths = 12;
   for (int row = 0; row < kFacetTableSize; ++row)

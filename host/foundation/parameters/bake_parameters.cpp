@@ -65,7 +65,7 @@ Rows source_rows() {
        .hashed_as = "height_scale",
        .surfaces = kEverywhere},
       {.name = "dequantize",
-       .help = "replace 8-bit heights by the smoothest heights that round to them: terraces become slopes; steps of "
+       .help = "replace 8-bit heights by the smoothest heights that round to them, so terraces become slopes; steps of "
                "two or more codes stay",
        .hashed_as = "dequantize",
        .surfaces = kEverywhere},

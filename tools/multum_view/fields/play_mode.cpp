@@ -237,7 +237,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
   app.add_option("--supersampling", options.supersampling,
-                 "draw this many sub-pixels along each side of a pixel (default: as the field says)")
+                 "draw this many sub-pixels along each side of a pixel (default: the number in the field)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
                "mix the samples around a point linearly along each parameter, instead of using the nearest sample");

@@ -208,12 +208,14 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
     const std::string root = canonical_name(named);
     for (const auto& [what, path] : own)
       if (!path.empty() && is_in(canonical_name(path), root))
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside", what,
-                                path, named));
+        throw Error(
+            ErrorCode::kUsage,
+            fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside of the root",
+                        what, path, named));
     if (is_in(root, canonical_name(settings.data)))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("the root {} is in the data folder {}, expected a folder outside", named, settings.data));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("the root {} is in the data folder {}, expected a folder outside of it", named, settings.data));
   }
 }
 

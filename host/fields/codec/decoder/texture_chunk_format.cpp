@@ -97,7 +97,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   format.linear = (kind & 2) != 0;
   format.width = reader.number(TextureChunkFormat::kSideMax);
   format.height = reader.number(TextureChunkFormat::kSideMax);
-  if (format.width < 1 || format.height < 1) return refuse("a texture's sides are not 1 to 16384 texels");
+  if (format.width < 1 || format.height < 1) return refuse("the sides of a texture are not 1 to 16384 texels");
   const std::size_t dimensions = reader.byte(), levels = reader.byte();
   if (dimensions < 1 || dimensions > ParameterPyramid::kDimensionsMax)
     return refuse("the block has 0 dimensions, or more than 8");
@@ -129,7 +129,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
     images = pyramid->image_count();
   }
   if (images > TextureChunkFormat::kTexelsMax / (format.width * format.height))
-    return refuse("the images have more than 2^28 texels together");
+    return refuse("the images have more than 2^28 texels in total");
   if (format.coder == ImageCoder::kDct) {
     format.side = reader.byte();
     if (!is_dct_side(format.side)) return refuse("the block size is not 8, 16 or 32 texels");

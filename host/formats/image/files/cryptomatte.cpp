@@ -212,9 +212,9 @@ std::uint32_t identifier_of(const ExrFile& file, const Cryptomatte& cryptomatte,
   const auto found = cryptomatte.manifest.find(name);
   if (found != cryptomatte.manifest.end()) return found->second;
   if (!cryptomatte.hash.empty() && cryptomatte.hash != "MurmurHash3_32")
-    refuse_file(file.path(), fmt::format("the Cryptomatte manifest has no \"{}\", and its hash is \"{}\", expected "
-                                         "MurmurHash3_32",
-                                         name, cryptomatte.hash));
+    refuse_file(file.path(),
+                fmt::format("the Cryptomatte manifest has no \"{}\" and uses the hash \"{}\", expected MurmurHash3_32",
+                            name, cryptomatte.hash));
   return as_identifier(murmur_hash3(name));
 }
 

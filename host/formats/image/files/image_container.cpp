@@ -183,7 +183,8 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
-    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} by its WebP header", file.size(), end));
+    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} according to its WebP header",
+                                  file.size(), end));
   const std::string chunk = file.bytes(12, 4, "a WebP chunk");
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");

@@ -399,7 +399,7 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
                                                evidence.info().format, channel_count, height_coding_name(coding)));
   return height_field(coding_of(settings.bump_format)
                           ? height_coding_name(coding) + ", as requested"
-                          : height_coding_name(coding) + ": they are continuous, but single channels jump",
+                          : height_coding_name(coding) + ": the heights are continuous, but single channels jump",
                       {coding, std::nullopt}, settings);
 }
 
