@@ -52,8 +52,8 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
       "as engines do (interpolated)")
       ->default_str("the value of --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
-             "shade a file of moments by this method (default: lean-jacobian); under --environment, all are drawn like "
-             "toksvig");
+             "shade a file of moments by this method (default: lean-jacobian); under --environment, all methods draw "
+             "like toksvig");
   app.add_option("--colour-map", options.colour_map,
                  "read colours for a file without colours from this pyramid of `multum mip`");
 }
@@ -102,7 +102,7 @@ void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
 
 void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--repeat", options.repeat,
-                 "repeat the map this many times across the plane or uv unit (default: 60; on a mesh 1)")
+                 "repeat the map this many times across the plane or uv unit (default: 60, or 1 on a mesh)")
       ->check(number_in(1e-6f, 1e6f));
 }
 
@@ -111,7 +111,7 @@ void add_camera_options(CLI::App& app, CameraOptions& options) {
              "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, the "
              "whole mesh)");
   add_parsed(app, "--up", options.up, parse_up,
-             "set the up direction of the picture, x,y,z (default: 0,0,1; on a mesh 0,1,0)");
+             "set the up direction of the picture, x,y,z (default: 0,0,1, or 0,1,0 on a mesh)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {

@@ -32,8 +32,9 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       "also draw these pictures: a list of reference, mip, toksvig, lean, lean-jacobian, points, toksvig-points, "
       "lean-points, lean-jacobian-points; with reference, print relative L1 errors");
   CLI::Option* const samples =
-      app.add_option("--samples", options.sampling.sample_count,
-                     "draw the reference with this many samples per pixel (default: as --reference-noise needs)")
+      app.add_option(
+             "--samples", options.sampling.sample_count,
+             "draw the reference with this many samples per pixel (default: as many as --reference-noise needs)")
           ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
   app.add_option("--reference-noise", options.sampling.noise_max,
                  "draw the reference until its noise (relative L1) is at most this; slow in software")
@@ -61,8 +62,8 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       ->excludes(texels)
       ->default_str("pixel");
   app.add_option("--keep-reference", options.kept_reference,
-                 "keep the reference in this file, and reuse it if the file exists: for other bakes of the same map "
-                 "with the same view, BRDF and lights");
+                 "read the reference from this file, or write it if missing; for bakes of the same map with the same "
+                 "view, BRDF and lights");
 }
 
 }  // namespace

@@ -224,7 +224,7 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
     read_merl(path, in, cells);
     return cells.factor(path);
   }
-  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text file of samples, or a network");
+  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text file of samples or a network");
   in.seekg(0);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t begin = text.find_first_not_of(" \t\r\n");

@@ -239,8 +239,7 @@ Rows fit_rows() {
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",
-       .help =
-           "choose the start of the coarsest level without test fits on a small proxy map; this saves half a second",
+       .help = "choose the start of the coarsest level without test fits on a small proxy map; saves half a second",
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -365,8 +364,8 @@ Rows run_rows() {
        .unit = "FILE",
        .surfaces = kOnCommandLine},
       {.name = "scalar",
-       .help = "run the kernels as on a GPU (scalar, with teams of work-items and copies); the result is the same, but "
-               "CPUs are slower",
+       .help =
+           "run the kernels as on a GPU (scalar, with teams of work-items and copies); same result, but slower on CPUs",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,

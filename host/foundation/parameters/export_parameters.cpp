@@ -156,7 +156,7 @@ Rows export_run_rows() {
        .help = "export unchanged maps of a manifest again; without a manifest, files are always written again",
        .surfaces = kOnCommandLine},
       {.name = "resume",
-       .help = "keep fitted rows, and continue a stopped export of the same map with the same settings",
+       .help = "keep fitted rows, and continue an interrupted export of the same map with the same settings",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,

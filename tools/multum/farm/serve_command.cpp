@@ -163,7 +163,7 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   serve->add_option("--token-file", options->token_file, "file whose first line is the token that clients must send");
   serve->add_option("--config", options->config, "settings file, TOML; options replace its settings");
   CLI::Option* const begins_anew = serve->add_flag("--new-ledger", options->begins_anew,
-                                                   "begin a new ledger if the ledger is lost; this removes no files");
+                                                   "begin a new ledger if the ledger is lost; removes no files");
   serve
       ->add_flag("--rescue", options->rescues,
                  "copy the readable jobs of a damaged ledger into a new one, and exit; stop the service first")

@@ -67,7 +67,7 @@ std::string field_folder(const std::string& named) {
 
 void print_parts(const FieldPackReport& report) {
   if (report.chunks_resumed > 0)
-    print_shown(stdout, "%zu chunks were taken from a stopped packing\n", report.chunks_resumed);
+    print_shown(stdout, "%zu chunks were taken from an interrupted packing\n", report.chunks_resumed);
   for (const PackedObjectReport& object : report.objects)
     print_shown(stdout, "object '%s': its pixels have an MSE of %.3f, %.2f times the mean; lambda %.5g\n",
                 object.object.c_str(), object.mse, object.mse / report.mse_covered, object.lambda);
@@ -192,8 +192,7 @@ void add_pack(CLI::App& app, int* exit_code) {
                    "also write a player for browsers to this folder, which any static web server can serve");
   pack->add_option("--page", o.player.page, "also write this page, *.html: player, field and geometry in one file");
   add_parameter_options(*pack, o.values);
-  pack->add_option("--device", o.device,
-                   "use this OpenCL device: its number in `multum devices`, or a part of its name");
+  pack->add_option("--device", o.device, "use this OpenCL device: its number in `multum devices`, or part of its name");
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }

@@ -217,8 +217,9 @@ Surfaces make_surfaces(const PyramidOptions& options, const PyramidHeader& heade
 void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
   const bool by_normal = header.kind == PyramidKind::kReflectance;
   if (!by_normal && header.kind != PyramidKind::kColour)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected one of colours or reflected light",
-                                               options.file, pyramid_kind_name(header.kind)));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found a pyramid of {}, expected a pyramid of colours or reflected light", options.file,
+                            pyramid_kind_name(header.kind)));
   if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: a map over normals needs one surface, found {}, expected {}", options.file,

@@ -74,7 +74,7 @@ const std::vector<JobField>& job_fields() {
        .expected = "an integer from 1 to 100",
        .has_default = true,
        .option = "--attempts",
-       .option_help = "number of attempts before the job is dead"},
+       .option_help = "attempts before the job is dead"},
       {.name = "deadline",
        .member = &Job::deadline,
        .form = Form::kTime,
