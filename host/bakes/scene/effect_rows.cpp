@@ -84,14 +84,15 @@ class EffectRows {
     for (const LevelStatistics& level : planner_.survey().levels)
       if (level.level >= plan_.first_seen) spread = std::max(spread, level.spread_mean);
     if (needs_.width_in_map) {
-      add_row("normals under texels", true, fmt::format("normals and their BRDFs spread by up to {:.2g}", spread));
+      add_row("normals under texels", true,
+              fmt::format("normals and their BRDFs have a spread of up to {:.2g}", spread));
       return;
     }
     const double without = error_of(0);
     const bool needed = without > scene_.budget.estimate_margin;
     add_row("normals under texels", needed,
-            fmt::format("normals spread by up to {:.2g}; one mean direction per texel has an error of {}", spread,
-                        percent_text(without)));
+            fmt::format("normals have a spread of up to {:.2g}; one mean direction per texel has an error of {}",
+                        spread, percent_text(without)));
   }
 
   double error_of(int lobes) {
@@ -246,13 +247,13 @@ class EffectRows {
     if (!share) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "the roughness map sets the width of highlights"
-              : needs_.specular   ? fmt::format("highlights up to s = {:.0f}; 16 bits store lobes up to kappa {:.0f}",
-                                                needs_.exponent_max, kept)
-                                  : "no highlights");
+              : needs_.specular ? fmt::format("highlights have s up to {:.0f}; 16 bits store lobes up to kappa {:.0f}",
+                                              needs_.exponent_max, kept)
+                                : "no highlights");
       return;
     }
     const std::string why =
-        fmt::format("{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights up to s = {:.0f}",
+        fmt::format("{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights have s up to {:.0f}",
                     percent_text(*share), kept, needs_.exponent_max);
     if (chosen_.encoding == StorageEncoding::kFloat)
       add_row("32-bit storage", true, why,

@@ -77,7 +77,7 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
   add_row(plan, "highlight", highlight,
           !highlight     ? "the material is diffuse"
           : width_in_map ? "the roughness map sets the width of the highlight"
-                         : fmt::format("as sharp as Blinn-Phong with s = {:.4g}", exponent));
+                         : fmt::format("the highlight is as sharp as Blinn-Phong with s = {:.4g}", exponent));
   plan.stated_difference = map.stated_difference;
   add_fresnel(scene, object, map, plan);
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");

@@ -174,7 +174,7 @@ std::string outcome_text(const MapPlan& map) {
   };
   return fmt::format(
       "the bake takes {} instead of {} ({}){}, and textures take {} instead of {} ({}); the estimated error is {}{}, "
-      "and {}{} for the default bake; pictures differ from the default bake by at most {}{}",
+      "and the error of the default bake is {}{}; pictures differ from the default bake by at most {}{}",
       range_text(least.ms, most.ms, time_text), time_text(by_default.ms), share(&BakeCost::ms),
       map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(by_default.bytes),
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),

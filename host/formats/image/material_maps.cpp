@@ -31,7 +31,7 @@ struct Wanted {
 void check_size(const Wanted& wanted, const RawImageInfo& info) {
   if (info.width != wanted.width || info.height != wanted.height)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} of {} x {} texels, expected the normal map's {} x {}", wanted.path,
+                fmt::format("{}: found {} of {} x {} texels, expected {} x {} as in the normal map", wanted.path,
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 

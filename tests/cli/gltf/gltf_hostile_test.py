@@ -88,7 +88,7 @@ class HostileTest(unittest.TestCase):
             return change
 
         view = setting("bufferViews", 0, "byteLength", to=2**40)
-        cases = ((view, "buffer view 0 has bytes 0 to 1099511627776"),
+        cases = ((view, "buffer view 0 refers to bytes 0 to 1099511627776"),
                  (setting("bufferViews", 0, "byteOffset", to=2**64 - 8), "buffer view 0"),
                  (setting("bufferViews", 0, "byteOffset", to=-4), "buffer view 0"),
                  (setting("bufferViews", 0, "buffer", to=1), "buffer is 1"),

@@ -290,7 +290,7 @@ int play_field(const PlayOptions& options) {
   if (!options.debug_picture.empty())
     write_picture(options.debug_picture, debug_picture(player.frames(), settings.playback.memory_max), 1.0f);
   const PlaybackCounts counts = player.player().counts();
-  print_shown(stdout, "%s: written: %zu frames, %zu images of %zu chunks decoded, at most %zu bytes at once\n",
+  print_shown(stdout, "%s: written: %zu frames; decoded %zu images of %zu chunks; used at most %zu bytes at once\n",
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;

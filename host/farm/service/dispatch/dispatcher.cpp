@@ -404,7 +404,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
       [=, this] {
         if (*is_mine && have_inputs_changed && !job.key.empty())
           service_log(LogSeverity::kInfo, id,
-                      "its input has changed since the job was submitted, so other jobs will not reuse its result");
+                      "the input has changed since the job was submitted, so other jobs will not reuse the result");
         if (*is_mine) return finish_publishing(job, identity);
         note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has replaced this one"});
       });

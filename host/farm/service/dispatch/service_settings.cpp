@@ -68,7 +68,7 @@ void read_queues(const StrictTable& root, const std::string& path, ServiceSettin
     limits.is_paused = table.boolean("paused", false);
     const std::string name = table.text("name");
     if (!settings.queues.emplace(name, limits).second)
-      table.refuse("name", fmt::format("is \"{}\", the name of another queue", name));
+      table.refuse("name", fmt::format("is \"{}\", which is the name of another queue", name));
   }
 }
 

@@ -360,7 +360,7 @@ std::string other_kind(std::string_view head) {
   if (head.starts_with("DDS "sv))
     return fmt::format("a DDS texture for GPUs, {}: give the map that it was made from", kExpected);
   if (head.starts_with("glTF"sv))
-    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, 'multum materials' lists its maps",
+    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, and 'multum materials' lists its maps",
                        kExpected);
   return "";
 }
