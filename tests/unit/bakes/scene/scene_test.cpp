@@ -433,7 +433,7 @@ TEST_F(SceneTest, ASheenIsLitByLights) {
   EXPECT_EQ(material.brdfs[0].kind, BrdfKind::kCharlie);
   EXPECT_EQ(material.brdfs[0].roughness, 0.3f);
   EXPECT_EQ(material.brdfs[1].specular, glm::vec3(1.0f));
-  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected lights"},
+  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected only lights"},
                [&] { read(sheen("[0.3, 0.6]") + lit); });
   expect_error(ErrorCode::kInput, {path(), "material.roughness", "0.04", "0.05 to 1"}, [&] { read(sheen("0.04")); });
   write_map(64, noise);
