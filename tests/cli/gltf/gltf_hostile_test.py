@@ -160,7 +160,7 @@ class HostileTest(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder)), ["in.glb", "model"])
         run = subprocess.run(command, capture_output=True, text=True, check=False, env=without_node)
         self.assertEqual(run.returncode, 0, run.stderr)
-        for word in ("new textures are RGBA8", "Node.js", "npm install"):
+        for word in ("new textures are stored as RGBA8", "Node.js", "npm install"):
             self.assertIn(word, run.stderr)
 
     def test_broken_at_random(self):
