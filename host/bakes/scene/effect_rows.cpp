@@ -247,14 +247,15 @@ class EffectRows {
     if (!share) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "the roughness map sets the width of highlights"
-              : needs_.specular ? fmt::format("highlights have s up to {:.0f}; 16 bits store lobes up to kappa {:.0f}",
-                                              needs_.exponent_max, kept)
-                                : "no highlights");
+              : needs_.specular
+                  ? fmt::format("highlights have exponents s up to {:.0f}; 16 bits store lobes up to kappa {:.0f}",
+                                needs_.exponent_max, kept)
+                  : "no highlights");
       return;
     }
-    const std::string why =
-        fmt::format("{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights have s up to {:.0f}",
-                    percent_text(*share), kept, needs_.exponent_max);
+    const std::string why = fmt::format(
+        "{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights have exponents s up to {:.0f}",
+        percent_text(*share), kept, needs_.exponent_max);
     if (chosen_.encoding == StorageEncoding::kFloat)
       add_row("32-bit storage", true, why,
               chosen_without([](BakeShape& s) { s.encoding = StorageEncoding::kSnorm16; }));

@@ -272,7 +272,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     for (const std::string& line : wrapped(words, static_cast<std::size_t>(width))) text += line + "\n";
   };
   for (const MapPlan& map : plan.maps) {
-    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; {} instead of {}", map.name, map.width,
+    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; baked as {} instead of {}", map.name, map.width,
                     map.height, map.first_seen, map.last_seen, bakes_text(map), map.default_bake.name));
     text += head("why");
     text += effect_rows(map.effects, width);

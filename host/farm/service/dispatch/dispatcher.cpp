@@ -470,7 +470,7 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
   if (!kept.empty())
     service_log(
         LogSeverity::kWarning, job.id,
-        fmt::format("{} held files that this service did not publish; they were moved to {}", job.output, kept));
+        fmt::format("{} contained files that this service did not publish; they were moved to {}", job.output, kept));
 }
 
 void Dispatcher::remove_staging(const Job& job) const {

@@ -210,7 +210,7 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
       if (!path.empty() && is_in(canonical_name(path), root))
         throw Error(
             ErrorCode::kUsage,
-            fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside of the root",
+            fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside of that root",
                         what, path, named));
     if (is_in(root, canonical_name(settings.data)))
       throw Error(

@@ -43,8 +43,8 @@ void JobQueue::take_instance(const LedgerSettings& settings) {
     instance_ = settings.instance;
   } else if (!settings.may_begin && instance_ != settings.instance) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: is the ledger of instance {}, expected the ledger of {}: {}", settings.path, instance_,
-                            settings.instance, lost_ledger_advice()));
+                fmt::format("{}: is the ledger of instance {}, expected the ledger of instance {}: {}", settings.path,
+                            instance_, settings.instance, lost_ledger_advice()));
   }
 }
 
