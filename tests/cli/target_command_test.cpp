@@ -141,7 +141,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";
     const std::regex line(
-        "error of pixels, [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; "
+        "error of pixels [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; "
         "worst: [0-9.]+ % for pixels that cover \\d+ to \\d+ texels\n");
     std::smatch said, stated_line;
     EXPECT_TRUE(std::regex_search(plain.out, said, line)) << plain.out;

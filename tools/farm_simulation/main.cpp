@@ -444,7 +444,7 @@ int run(int argc, char** argv) {
   app.add_option("-o,--output", o.json, "JSON file for the results")->required();
   app.add_option("--maps", o.maps, "number of maps to bake, one job each")->capture_default_str();
   app.add_option("--nodes", o.nodes, "number of nodes; each node runs one task at a time")->capture_default_str();
-  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: maximum number of jobs with Slurm at a time")
+  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: maximum number of jobs in Slurm at a time")
       ->capture_default_str();
   app.add_option("--map-seconds", o.map_seconds, "median seconds per bake")->capture_default_str();
   app.add_option("--chunk-seconds", o.chunk_seconds, "[slurm] chunk_s")->capture_default_str();

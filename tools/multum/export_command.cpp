@@ -59,7 +59,7 @@ void check_no_reading_is_given(const std::string& input, const ParameterValues& 
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))
       throw Error(ErrorCode::kUsage,
-                  input + " is a baked file, whose normals are decoded: expected no " + row.option());
+                  input + " is a baked file, whose normals are already decoded: expected no " + row.option());
 }
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
@@ -224,10 +224,11 @@ int run_lobe_export(ExportOptions& o) {
     print_json(json);
   }
   if (!prints_text(o.common)) return 0;
-  print_shown(stdout,
-              "%s: written: %zu lobes, %d layers, levels from %d on, %.1f MB on the GPU, %.2f times BC5 and BC4\n",
-              job.output.c_str(), report.header.lobes.size(), report.header.layer_count(),
-              report.header.map.first_level, static_cast<double>(report.gpu_bytes) / 1e6, report.bytes_ratio());
+  print_shown(
+      stdout,
+      "%s: written: %zu lobes, %d layers, levels from %d on, %.1f MB on the GPU, %.2f times the size of BC5 and BC4\n",
+      job.output.c_str(), report.header.lobes.size(), report.header.layer_count(), report.header.map.first_level,
+      static_cast<double>(report.gpu_bytes) / 1e6, report.bytes_ratio());
   for (const auto& [stage, seconds] : report.seconds)
     if (o.common.verbose) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
   return 0;
@@ -277,7 +278,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
   CLI::Option* const manifest = command->add_option(
       "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
   CLI::Option* const check =
-      command->add_flag("--check", o.check, "exit with code 5 and a list if files were missing, stale or damaged")
+      command->add_flag("--check", o.check, "print a list and exit with code 5 if files were missing, stale or damaged")
           ->needs(manifest);
   command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,

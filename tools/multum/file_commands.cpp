@@ -92,7 +92,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, keeps deviations of slopes down to {:.4f} b",
+       return fmt::format("at a slope b, keeps slope deviations down to {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -192,7 +192,7 @@ int print_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text += fmt::format("with its set    SHA-256 {}: the source, and the data that it took from other tiles\n",
+    text += fmt::format("with its set    SHA-256 {} of the source and of the data that it took from other tiles\n",
                         from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
@@ -255,7 +255,7 @@ int run_devices(const std::string& report, bool prints_json) {
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
   if (prints_json) return 0;
   for (const DeviceInfo& d : devices)
-    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
+    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers up to %.1f GiB)\n", d.index, d.name.c_str(),
                 d.platform.c_str(), d.driver.c_str(), d.is_cpu ? "CPU" : "GPU",
                 static_cast<double>(d.memory_bytes) / (1u << 30), static_cast<double>(d.buffer_bytes_max) / (1u << 30));
   return 0;

@@ -51,7 +51,7 @@ int run_gltf(GltfOptions& o) {
   }
   if (!prints_text(o.common)) return 0;
   const auto megabytes = [](std::uint64_t bytes) { return 1e-6 * static_cast<double>(bytes); };
-  print_shown(stdout, "%s: written; %d of %zu materials fitted, %zu set%s of textures; %.2f MB, before %.2f MB\n",
+  print_shown(stdout, "%s: written; %d of %zu materials fitted, %zu set%s of textures; %.2f MB instead of %.2f MB\n",
               o.job.output.c_str(), report.fitted_count(), report.materials.size(), report.textures.size(),
               report.textures.size() == 1 ? "" : "s", megabytes(report.bytes_after), megabytes(report.bytes_before));
   for (const GltfReport::Material& material : report.materials) {

@@ -32,8 +32,9 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       "also draw these pictures: a list of reference, mip, toksvig, lean, lean-jacobian, points, toksvig-points, "
       "lean-points, lean-jacobian-points; with reference, print relative L1 errors");
   CLI::Option* const samples =
-      app.add_option("--samples", options.sampling.sample_count,
-                     "draw the reference with this many samples per pixel (default: as --reference-noise needs)")
+      app.add_option(
+             "--samples", options.sampling.sample_count,
+             "draw the reference with this many samples per pixel (default: as many as --reference-noise needs)")
           ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
   app.add_option("--reference-noise", options.sampling.noise_max,
                  "draw the reference until its noise (relative L1) is at most this; slow in software")
@@ -162,8 +163,8 @@ void check_map_options(const MapOptions& options) {
     throw Error(ErrorCode::kUsage, "--distance requires --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
     throw Error(ErrorCode::kUsage,
-                "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, with which "
-                "the driver filters");
+                "--reference-of texels averages the texels that --taps and --level-bias select; found --anisotropy, "
+                "which lets the driver filter");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())

@@ -120,7 +120,7 @@ class Model {
         throw Error(
             ErrorCode::kInput,
             fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected materials "
-                        "with only roughness, because lobes support no anisotropy. --brdf sets another BRDF",
+                        "with only roughness, because lobes do not support anisotropy. --brdf sets another BRDF",
                         picture_.surface.mesh, material.name, material.anisotropy));
     }
     for (const auto& [name, file] : files_)

@@ -187,7 +187,7 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
                            {"height", options.output.height()},
                            {"reference_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},
                            {"pixel_filter", choice_name(kPixelFilters, facts.comparison.sampling.filter)},
-                           {"reference", "BRDF and max(n.l, 0) with the normal of every sample"},
+                           {"reference", "the BRDF times max(n.l, 0), with the normal of each sample"},
                            {"formula", choice_name(kLobeFormulas, shading.formula)},
                            {"moments", choice_name(kMomentShadings, shading.moments.value_or(kDefaultMomentShading))},
                            {"filter", filter_json(shading)},

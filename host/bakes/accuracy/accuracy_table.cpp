@@ -132,7 +132,7 @@ std::string footprint_error_text(const std::vector<FootprintError>& errors) {
   if (errors.empty()) return "";
   std::size_t width = 0;
   for (const FootprintError& one : errors) width = std::max(width, one.brdf.text().size());
-  std::string text = "error of pixels, relative L1 with its 95 % interval\n";
+  std::string text = "relative L1 error of pixels with its 95 % interval\n";
   for (const FootprintError& one : errors)
     text += fmt::format(
         "  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; worst: {:.2f} % for pixels that cover {}\n",

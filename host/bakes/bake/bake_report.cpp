@@ -147,7 +147,7 @@ std::string BakeReport::to_text() const {
   const bool has_finer =
       std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });
   if (first_level > 0 && stored_only)
-    text += fmt::format("levels finer than {} are never visible, and not stored\n", first_level);
+    text += fmt::format("levels finer than {} are never visible, and are not stored\n", first_level);
   else if (first_level > 0)
     text += fmt::format("levels finer than {} are not stored: renderers compute them from the normal map{}\n",
                         first_level, has_finer ? ", as this table does" : "");

@@ -99,7 +99,8 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse(
         "output",
-        fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or an existing folder", job.output));
+        fmt::format("is \"{}\", which is one name for several maps: expected <UDIM> in it, or an existing folder",
+                    job.output));
   if (!is_folder && !job.output.ends_with(".exr"))
     table.refuse("output", fmt::format("is \"{}\", expected a name that ends in .ndf.exr or .exr", job.output));
 }

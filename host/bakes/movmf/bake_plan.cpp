@@ -64,7 +64,8 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
       if (bytes_of(band.map_band_rows) > memory_bytes)
-        refuse(fitting, bytes_of(1), fmt::format("all texels of level {} at once (--coarse-normals all)", level.level));
+        refuse(fitting, bytes_of(1),
+               fmt::format("all texels of level {} at the same time (--coarse-normals all)", level.level));
     } else {
       const auto bytes_of = [&](int rows) {
         return fit_level_bytes(level, settings, rgb_plane_count, {rows, map_height});

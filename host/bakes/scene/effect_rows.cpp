@@ -84,14 +84,15 @@ class EffectRows {
     for (const LevelStatistics& level : planner_.survey().levels)
       if (level.level >= plan_.first_seen) spread = std::max(spread, level.spread_mean);
     if (needs_.width_in_map) {
-      add_row("normals under texels", true, fmt::format("normals and their BRDFs spread by up to {:.2g}", spread));
+      add_row("normals under texels", true,
+              fmt::format("normals and their BRDFs have a spread of up to {:.2g}", spread));
       return;
     }
     const double without = error_of(0);
     const bool needed = without > scene_.budget.estimate_margin;
     add_row("normals under texels", needed,
-            fmt::format("normals spread by up to {:.2g}; one mean direction per texel has an error of {}", spread,
-                        percent_text(without)));
+            fmt::format("normals have a spread of up to {:.2g}; one mean direction per texel has an error of {}",
+                        spread, percent_text(without)));
   }
 
   double error_of(int lobes) {
@@ -186,7 +187,7 @@ class EffectRows {
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
-                : fmt::format("at most {:.2f} of 1, at level {}{}", anisotropy, at,
+                : fmt::format("its largest value is {:.2f} of 1, at level {}{}", anisotropy, at,
                               needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
   }
 
@@ -229,7 +230,7 @@ class EffectRows {
     const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, needs_.diffuse_by, model); };
     add_row("colours of each lobe", plan_.chosen.lobe_colours,
             fmt::format("{} of the colour variance is between {} lobes; the error of diffuse light is {} with one "
-                        "colour per texel, {} with one colour per lobe",
+                        "colour per texel, and {} with one colour per lobe",
                         percent_text(correlation), lobes, percent_text(error(ColourModel::kMean)),
                         percent_text(error(ColourModel::kLobes))),
             plan_.chosen.lobe_colours ? chosen_without(none) : saved_by([&](BakeShape& s) {
@@ -246,14 +247,15 @@ class EffectRows {
     if (!share) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "the roughness map sets the width of highlights"
-              : needs_.specular   ? fmt::format("highlights up to s = {:.0f}; 16 bits store lobes up to kappa {:.0f}",
-                                                needs_.exponent_max, kept)
-                                  : "no highlights");
+              : needs_.specular
+                  ? fmt::format("highlights have exponents s up to {:.0f}; 16 bits store lobes up to kappa {:.0f}",
+                                needs_.exponent_max, kept)
+                  : "no highlights");
       return;
     }
-    const std::string why =
-        fmt::format("{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights up to s = {:.0f}",
-                    percent_text(*share), kept, needs_.exponent_max);
+    const std::string why = fmt::format(
+        "{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights have exponents s up to {:.0f}",
+        percent_text(*share), kept, needs_.exponent_max);
     if (chosen_.encoding == StorageEncoding::kFloat)
       add_row("32-bit storage", true, why,
               chosen_without([](BakeShape& s) { s.encoding = StorageEncoding::kSnorm16; }));

@@ -160,7 +160,7 @@ std::string bakes_text(const MapPlan& map) {
 // Describes the cost of trials, which the cost model does not include. A trial on a mosaic of 256 x 256 texels takes
 // 0.05 to 0.7 s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
-  return fmt::format(" and the trials (up to {} per map, a few seconds in total)",
+  return fmt::format(" plus the trials (up to {} per map, a few seconds in total)",
                      target_candidates(Representation::kMovmf).size());
 }
 
@@ -173,14 +173,14 @@ std::string outcome_text(const MapPlan& map) {
     return low == high ? low : low + " to " + high;
   };
   return fmt::format(
-      "bake {} instead of {} ({}){}, textures {} instead of {} ({}); estimated error {}{}, default bake {}{}; pictures "
-      "differ from the default bake by at most {}{}",
+      "the bake takes {} instead of {} ({}){}, and textures take {} instead of {} ({}); the estimated error is {}{}, "
+      "and the error of the default bake is {}{}; pictures differ from the default bake by at most {}{}",
       range_text(least.ms, most.ms, time_text), time_text(by_default.ms), share(&BakeCost::ms),
       map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(by_default.bytes),
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
       map.trials ? " with " + map.chosen.name : std::string(), map.default_error_is_bound ? "at most " : "",
       percent_text(map.default_bake.error.worst()), percent_text(map.stated_difference),
-      map.trials ? fmt::format("; the costs in the rows are the costs of {}", map.chosen.name) : "");
+      map.trials ? fmt::format("; the costs in the rows are for {}", map.chosen.name) : "");
 }
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
@@ -272,7 +272,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     for (const std::string& line : wrapped(words, static_cast<std::size_t>(width))) text += line + "\n";
   };
   for (const MapPlan& map : plan.maps) {
-    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; {} instead of {}", map.name, map.width,
+    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; baked as {} instead of {}", map.name, map.width,
                     map.height, map.first_seen, map.last_seen, bakes_text(map), map.default_bake.name));
     text += head("why");
     text += effect_rows(map.effects, width);
@@ -286,7 +286,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     text += "\n";
   }
   const bool has_trials = plan.cost_min.bytes < plan.cost_max.bytes;
-  add(fmt::format("in total: bake {}{} instead of {}, textures {} instead of {}; planned in {}{}",
+  add(fmt::format("in total: the bake takes {}{} instead of {}, and textures take {} instead of {}; planned in {}{}",
                   range_text(plan.cost_min.ms, plan.cost_max.ms, time_text), has_trials ? trials_text() : "",
                   time_text(plan.default_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
                   bytes_text(plan.default_cost.bytes), time_text(1e3 * plan.plan_seconds),

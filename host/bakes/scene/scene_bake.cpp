@@ -258,8 +258,9 @@ std::string SceneReport::to_text() const {
       text += fmt::format("{}: identical to the default bake\n", map.name);
   }
   const double bytes = plan.default_cost.bytes - plan.cost.bytes;
-  const std::string textures = fmt::format("textures {}, {} {} than the default bake's\n", bytes_text(plan.cost.bytes),
-                                           bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
+  const std::string textures =
+      fmt::format("textures take {}, which is {} {} than in the default bake\n", bytes_text(plan.cost.bytes),
+                  bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
     return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;

@@ -44,7 +44,8 @@ class Names {
     });
     if (!is_plain || name.front() == '.')
       table.refuse("name", fmt::format("is \"{}\", expected letters, digits, _, - and .", name));
-    if (find(name) < names_.size()) table.refuse("name", fmt::format("is \"{}\", the name of another {}", name, kind_));
+    if (find(name) < names_.size())
+      table.refuse("name", fmt::format("is \"{}\", which is the name of another {}", name, kind_));
     names_.push_back(name);
     return name;
   }

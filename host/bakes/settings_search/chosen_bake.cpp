@@ -234,7 +234,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                                  reached_text(chosen.judged()), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
-  text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
+  text += fmt::format("; tried {} of {} settings on a mosaic, and baked {}\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
     // The most accurate of the cheaper settings shows that no cheaper settings suffice.
@@ -277,9 +277,10 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.error.has_value() == target.seconds.has_value())
     throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected only one of them");
   if (target.error && !(*target.error > 0.0 && *target.error <= 2.0))
-    throw Error(ErrorCode::kUsage, fmt::format("--target-error is {:g}, expected a number above 0, at most 2: 0.1 is "
-                                               "10 % relative L1",
-                                               *target.error));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--target-error is {:g}, expected a number above 0, at most 2: 0.1 is a relative L1 error of 10 %",
+                    *target.error));
   if (target.seconds && !(*target.seconds > 0.0))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
@@ -292,7 +293,7 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
         "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
   if (job.region || !job.onto.empty())
     throw Error(ErrorCode::kUsage,
-                "--region and --onto use a file's settings: --target-error and --budget-ms cannot choose any");
+                "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose any");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
                 "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "

@@ -176,7 +176,7 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
 
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
   std::string text =
-      "settings that no other setting beats in both error and cost (work of a bake, memory, or work of a frame):\n";
+      "settings that no other settings beat in both error and cost (work of a bake, memory, or work of a frame):\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
     text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),

@@ -67,7 +67,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
     if (depth > kGltfDepthMax)
       refuse_file(path, fmt::format("nests its JSON deeper than the limit of {} levels", kGltfDepthMax));
     if (++count > kGltfValuesMax)
-      refuse_file(path, fmt::format("has more than {} values in its JSON, the limit", kGltfValuesMax));
+      refuse_file(path, fmt::format("has more than {} values in its JSON, which exceeds the limit", kGltfValuesMax));
     return true;
   };
   try {
@@ -113,7 +113,8 @@ void check_views(const GltfAsset& asset) {
     if (!length || (view.contains("byteOffset") && !unsigned_at(view, "byteOffset")))
       asset.refuse(what + " has a byteOffset or byteLength that is not a number of bytes");
     if (offset > all || *length > all - offset)
-      asset.refuse(fmt::format("{} has bytes {} to {} of a buffer of {} bytes", what, offset, offset + *length, all));
+      asset.refuse(
+          fmt::format("{} refers to bytes {} to {} of a buffer of {} bytes", what, offset, offset + *length, all));
   }
 }
 

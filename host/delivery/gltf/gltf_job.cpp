@@ -127,7 +127,7 @@ class GltfConversion {
       if (format_ != GltfTextureFormat::kAuto || !job_.encoder.empty() || error.code() != ErrorCode::kEnvironment)
         throw;
       format_ = GltfTextureFormat::kRgba8;
-      warn(std::string("new textures are RGBA8, not UASTC, and larger: ") + error.what());
+      warn(std::string("new textures are stored as RGBA8 instead of UASTC, and are larger: ") + error.what());
     }
   }
   void warn(const std::string& what) {
@@ -160,8 +160,8 @@ class GltfConversion {
       for (const auto& [name, texture] : one.storage)
         if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
-      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel; this is outside of "
-                       "KHR_texture_basisu, the extension that refers to them; ",
+      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel, which KHR_texture_basisu, "
+                       "the extension that refers to them, does not allow; ",
                        plain_count, count) +
            engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (format_ == GltfTextureFormat::kPng && count > 0)
@@ -266,7 +266,7 @@ class GltfConversion {
     FittedSource fitted = std::move(*found);
     const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
-      source.kept = "its own mips are as accurate";
+      source.kept = "its own mips are equally accurate";
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);

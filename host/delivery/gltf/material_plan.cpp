@@ -150,8 +150,7 @@ class Planner {
     const std::optional<TextureUse> normal = texture_at(material, "normalTexture");
     if (!normal) return "it has no normal map";
     for (const char* name : {"KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"})
-      if (extension_of(material, name) != nullptr)
-        return fmt::format("{} defines the reflection of its surface in another way", name);
+      if (extension_of(material, name) != nullptr) return fmt::format("{} uses another reflection model", name);
     if (extension_of(material, "MULTUM_lobes") != nullptr) return "it already has lobes (MULTUM_lobes)";
     static const GltfJson kNone = GltfJson::object();
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");

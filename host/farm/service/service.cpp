@@ -181,7 +181,7 @@ class Service {
                       "token_file was removed from the settings: restart the service to run without a token");
         api_.set_token(token);
         dispatcher_.reload(settings);
-        service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
+        service_log(LogSeverity::kInfo, 0, "the settings were read again: queues, devices, memory and token");
         sweep();
       } catch (const std::exception& wrong) {
         service_log(LogSeverity::kError, 0, std::string("the previous settings stay in use: ") + wrong.what());

@@ -135,7 +135,8 @@ std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, 
   std::string problem;
   std::unique_ptr<TextureChunk> chunk = TextureChunk::decode(bytes, problem, limits);
   if (!chunk) refuse_file(path_, section_name(number) + " is damaged: " + problem);
-  if (chunk->was_cut_short()) refuse_file(path_, section_name(number) + " is damaged: it ends before its images do");
+  if (chunk->was_cut_short())
+    refuse_file(path_, section_name(number) + " is damaged: it ends before its last image is complete");
   check_head(number, chunk->format());
   return chunk;
 }

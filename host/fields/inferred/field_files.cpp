@@ -39,10 +39,10 @@ std::string checked_geometry(const InferredManifest& field, const std::string& f
   // The message does not say why the file is unreadable, because a manifest's author could otherwise probe the reader's
   // private files.
   const std::optional<std::string> hash = hash_regular_file(path);
-  if (!hash) refuse_file(path, "is missing or cannot be read; expected the geometry that textures were inferred for");
+  if (!hash) refuse_file(path, "is missing or cannot be read; expected the geometry for which textures were inferred");
   if (*hash != field.geometry_hash)
     throw Error(ErrorCode::kInput,
-                path + ": is not the geometry that textures were inferred for (SHA-256 " + field.geometry_hash + ")");
+                path + ": is not the geometry for which textures were inferred (SHA-256 " + field.geometry_hash + ")");
   return path;
 }
 

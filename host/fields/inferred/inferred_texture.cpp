@@ -56,7 +56,7 @@ void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) 
   }
   // frame_of() begins at pixel (0, 0). For another window the library would write beyond the texels.
   if (header.dataWindow().min != Imath::V2i(0, 0))
-    refuse_file(path, "has a data window that does not begin at (0, 0); data windows of inferred textures begin there");
+    refuse_file(path, "has a data window that does not begin at (0, 0), expected the window of an inferred texture");
   const int width = file.levelWidth(0), height = file.levelHeight(0);
   if (width > kGpuSideMax || height > kGpuSideMax)
     refuse_file(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +

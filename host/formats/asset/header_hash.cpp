@@ -100,7 +100,8 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("no {}, as in files of older programs; attributes are not checked", kHeaderHashAttribute)};
+            fmt::format("found no {}, which older programs did not write; attributes are not checked",
+                        kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,
             fmt::format("checksum '{}' is in part {} (type {}), expected {} in part 0 (type string)", stated->name,

@@ -69,7 +69,7 @@ std::string measuring_refusal(const Brdf& brdf) {
 
 std::string environment_refusal(const Brdf& brdf) {
   if (!family_of(brdf).lights_alone) return "";
-  return fmt::format("found {} with an environment: expected lights only, or another BRDF", brdf_text(brdf, ""));
+  return fmt::format("found {} with an environment: expected only lights, or another BRDF", brdf_text(brdf, ""));
 }
 
 void set_family(const BrdfFamily& family, Brdf& brdf) {

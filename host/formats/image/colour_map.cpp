@@ -51,7 +51,7 @@ void check_channels(const std::string& path, const RawImageInfo& info) {
 void check_albedo_size(const std::string& path, const RawImageInfo& info, int width, int height) {
   if (info.width != width || info.height != height)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found an albedo of {} x {} texels, expected the normal map's {} x {}", path,
+                fmt::format("{}: found an albedo of {} x {} texels, expected {} x {} as in the normal map", path,
                             info.width, info.height, width, height));
 }
 

@@ -191,7 +191,7 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   check_plausible_size(path, part, file->description().file_size);
   if (format == "tiff" && part.base_type == number_type::kDouble && part.height == 1)
     refuse_file(
-        path, "found one row of 64-bit floats, which OpenImageIO leaves unread; expected 32-bit floats, or more rows");
+        path, "found one row of 64-bit floats, which OpenImageIO does not read; expected 32-bit floats, or more rows");
   rows = band_rows(part, info, settings.band_rows);
   if (format == "webp" && part.alpha_channel >= 0) check_webp_opaque(path, *file);
 }

@@ -31,7 +31,7 @@ struct Wanted {
 void check_size(const Wanted& wanted, const RawImageInfo& info) {
   if (info.width != wanted.width || info.height != wanted.height)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} of {} x {} texels, expected the normal map's {} x {}", wanted.path,
+                fmt::format("{}: found {} of {} x {} texels, expected {} x {} as in the normal map", wanted.path,
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 
@@ -203,7 +203,8 @@ void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   // A channel that is given by name can differ from the file's name, such as gloss in the alpha of a specular map.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
-        "{}: its name says {} map, but it was given as --{}: {}", file.path, name_of(named), name_of(taken),
+        "{}: its name says that it is a {} map, but it was given as --{}: {}", file.path, name_of(named),
+        name_of(taken),
         is_opposite ? fmt::format("--{} would invert the values", name_of(named)) : "check that it is the right map"));
     return;  // one doubt is enough
   }

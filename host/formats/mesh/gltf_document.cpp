@@ -118,7 +118,7 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
 
 std::string read_model_file(const std::string& path) {
   std::string bytes = read_from(open_regular_file(path), path, kModelBytesMax + 1);
-  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, expected less, the limit of GLB");
+  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, which exceeds the limit of GLB");
   return bytes;
 }
 

@@ -145,7 +145,7 @@ class MaterialReader {
                          (transform.contains("texCoord") && uv_set_of(transform) != uv_set_of(info));
     if (changes)
       refuse(
-          fmt::format("material '{}' transforms its {} by KHR_texture_transform, which is not supported; apply it to "
+          fmt::format("material '{}' transforms its {} with KHR_texture_transform, which is not supported; apply it to "
                       "the texture coordinates and export again",
                       material, key));
   }

@@ -80,7 +80,7 @@ class KernelCaches {
     const std::string why = why_not_writable(folder);
     if (why.empty()) return "";
     const std::string place = folder;
-    std::string said = "cannot keep compiled kernels here: " + why;
+    std::string said = "cannot store compiled kernels here: " + why;
     try {
       if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
       folder = private_->path() + "/" + name;

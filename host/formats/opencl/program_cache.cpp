@@ -115,7 +115,7 @@ Source source_of(const DeviceState& state, const std::string& file, const std::s
 void tell_of_building(DeviceState& state) {
   if (state.told_of_building) return;
   state.told_of_building = true;
-  log_info("compiling kernels for " + state.info.name + ", once; they are kept in " + g_cache_folder);
+  log_info("compiling kernels for " + state.info.name + "; later runs load them from " + g_cache_folder);
 }
 
 std::string build_binary(const DeviceState& state, const cl::Context& context, const std::string& file,
@@ -170,7 +170,7 @@ cl::Program load_program(DeviceState& state, const std::string& file, const std:
       return *program;
     }
     ++state.unprepared_count;
-    log_verbose("program cache: " + file + " is being built; its caller waits");
+    log_verbose("program cache: " + file + " is being built while its caller waits");
     tell_of_building(state);
     // Loads even a new program from its binary, so that the first run behaves like later runs.
     const std::string bytes = build_binary(state, state.context, file, source, options);

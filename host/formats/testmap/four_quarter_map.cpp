@@ -197,7 +197,7 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional
     }
   }
   map.normals.report.format = "generated, rounded to 16 bits";
-  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL), as asked for";
+  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL), as requested";
   map.normals.report.encoding_reason = "every four-quarter map is generated with this encoding";
   return map;
 }

@@ -71,7 +71,7 @@ Rows source_rows() {
        .surfaces = kEverywhere},
       {.name = "normal_scale",
        .kind = Kind::kNumber,
-       .help = "multiply x and y of a normal map, like normalTexture.scale in glTF",
+       .help = "multiply x and y of a normal map by this, like normalTexture.scale in glTF",
        .low = -kUnbounded,
        .high = kUnbounded,
        .default_text = "1",

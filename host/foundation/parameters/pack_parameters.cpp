@@ -99,7 +99,10 @@ const ParameterTable& pack_parameters() {
                          "are read again, and the result is the same",
                          kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
-        {.name = "resume", .help = "continue a stopped packing to the same output", .surfaces = kOnCommandLine});
+        memory_parameter("stay within this resident memory; less memory is slower, but does not change the result",
+                         kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
+    rows.push_back(
+        {.name = "resume", .help = "continue an interrupted packing to the same output", .surfaces = kOnCommandLine});
     rows.push_back(absolute_geometry_parameter());
     return ParameterTable("pack", std::move(rows));
   }();

@@ -132,7 +132,7 @@ const ParameterTable& reflectance_parameters() {
                 numbers_parameter("specular", "set the specular factor, grey or red, green, blue", "Y|R,G,B", "0.1"),
                 {.name = "size",
                  .kind = Kind::kInteger,
-                 .help = "set the side of the map",
+                 .help = "set the side of the map in texels",
                  .low = 4,
                  .high = 8192,
                  .unit = "texels",

@@ -35,7 +35,7 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available; use a "
-                            "machine, a container or limits (ulimit -v) that leave more: {}",
+                            "machine, a container or limits (ulimit -v) that allow more: {}",
                             file.path, file.memory_max, errno_text(ENOMEM)));
 }
 

@@ -108,7 +108,7 @@ OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const 
   const std::string relative = canonical == root ? "." : canonical.substr(root.size() + 1);
   OpenFile file(open_below(descriptor, relative, flags));
   if (!file.is_open() && (errno == ELOOP || errno == EXDEV))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through one", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through a link", canonical));
   if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR))
     throw Error(ErrorCode::kUsage, fmt::format("{}: no longer exists", canonical));
   if (!file.is_open()) fail_by_errno(canonical, "cannot be opened");
@@ -158,7 +158,7 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path named = fs::path(path).lexically_normal();
   const std::string name = named.filename().string();
   if (name.empty() || name == ".." || name.starts_with(".multum-"))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a name for a result", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a valid name for a result", path));
   check_name_length(path, name);
   std::error_code error;
   const fs::path folder = fs::canonical(named.parent_path(), error);

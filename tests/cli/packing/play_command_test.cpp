@@ -64,7 +64,7 @@ int difference(const Png8Image& a, const Png8Image& b) {
 TEST_F(PlayCommandTest, FramesAtSamplesAreThoseOfSample) {
   const ProgramResult played = play("frames", {"--path", "view=0..2,light=1", "--frames", "3"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
-  expect_says(played.out, {"written: 3 frames", "chunks decoded"});
+  expect_says(played.out, {"written: 3 frames", "; decoded "});
   ASSERT_EQ(play("mixed", {"--path", "view=0..2,light=1", "--frames", "3", "--linear"}).exit_code, 0);
   ASSERT_EQ(play("coarse", {"--path", "view=0..2,light=1", "--frames", "3", "--supersampling", "1"}).exit_code, 0);
   for (int v = 0; v < 3; ++v) {

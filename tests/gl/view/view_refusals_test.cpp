@@ -55,7 +55,7 @@ TEST_F(ViewRefusalTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, {"1..100000"});
   expect_refusal({"-o", out, "--brdf", "charlie:0.04"}, 2, {"charlie:ROUGHNESS with ROUGHNESS 0.05..1"});
   expect_refusal({"-o", out, "--brdf", "charlie:0.3", "--environment", path("sky.hdr")}, 2,
-                 {"--brdf: found charlie:0.3 with an environment", "expected lights only, or another BRDF"});
+                 {"--brdf: found charlie:0.3 with an environment", "expected only lights, or another BRDF"});
   expect_refusal({"-o", out, "--brdf", "ggx:0.3,1.5"}, 2, {"F0 0..1"});
   expect_refusal({"-o", out, "--brdf", "cook-torrance:0.3,0.1,0.2"}, 2, {"cook-torrance:SIGMA"});
   expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, {"not a measured BRDF"});

@@ -46,7 +46,7 @@ JobType bake_type() {
 
 JobType scene_type() {
   return {.name = "scene",
-          .summary = "bake the maps of a scene as far as the scene needs them",
+          .summary = "bake only what a scene shows of its maps",
           .command = "bake",
           .input = "scene",
           .output_is_folder = true,

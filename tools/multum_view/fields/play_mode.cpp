@@ -240,10 +240,10 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "draw this many sub-pixels along each side of a pixel (default: from the field)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
-               "mix the samples around a point linearly along each parameter, instead of using the nearest sample");
-  app.add_flag("--no-wait", options.draws_what_is_there,
-               "draw decoded images only, coarsest first, without waiting; pictures then depend on the speed of the "
-               "machine");
+               "interpolate linearly between samples along each parameter, instead of using the nearest sample");
+  app.add_flag(
+      "--no-wait", options.draws_what_is_there,
+      "draw only decoded images, coarsest first, without waiting; pictures then depend on the speed of the machine");
   app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure jumps");
   app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
@@ -290,7 +290,7 @@ int play_field(const PlayOptions& options) {
   if (!options.debug_picture.empty())
     write_picture(options.debug_picture, debug_picture(player.frames(), settings.playback.memory_max), 1.0f);
   const PlaybackCounts counts = player.player().counts();
-  print_shown(stdout, "%s: written: %zu frames, %zu images of %zu chunks decoded, at most %zu bytes at once\n",
+  print_shown(stdout, "%s: written: %zu frames; decoded %zu images of %zu chunks; used at most %zu bytes at once\n",
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;

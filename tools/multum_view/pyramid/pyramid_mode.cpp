@@ -217,8 +217,9 @@ Surfaces make_surfaces(const PyramidOptions& options, const PyramidHeader& heade
 void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
   const bool by_normal = header.kind == PyramidKind::kReflectance;
   if (!by_normal && header.kind != PyramidKind::kColour)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected one of colours or reflected light",
-                                               options.file, pyramid_kind_name(header.kind)));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found a pyramid of {}, expected a pyramid of colours or reflected light", options.file,
+                            pyramid_kind_name(header.kind)));
   if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: a map over normals needs one surface, found {}, expected {}", options.file,
@@ -261,9 +262,9 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
       ->required();
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
-  add_level_bias_option(app, options.level_bias,
-                        "add this to the level (default: 0 for colours; -0.79, the width of a pixel, for reflected "
-                        "light)");
+  add_level_bias_option(
+      app, options.level_bias,
+      "add this to the level (default: 0 for colours; -0.79 for reflected light, which blurs like one pixel)");
   app.add_option("--samples", options.samples, "draw the reference with this many samples per pixel")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

@@ -43,7 +43,7 @@ double filament(double length, double roughness) {
 
 const std::vector<EngineRule>& engine_rules() {
   static const std::vector<EngineRule> rules = {
-      {"averaged", "averaged normals", "no rule: base roughness at every level", averaged},
+      {"averaged", "averaged normals", "no rule: the base roughness is used at every level", averaged},
       {"unreal", "Unreal", "TextureCompressorModule.cpp, ApplyCompositeTexture, but without its blur of normals",
        unreal},
       {"unity", "Unity HDRP", "CommonMaterial.hlsl, TextureNormalVariance and NormalFiltering", unity},

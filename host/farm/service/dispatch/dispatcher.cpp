@@ -404,7 +404,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
       [=, this] {
         if (*is_mine && have_inputs_changed && !job.key.empty())
           service_log(LogSeverity::kInfo, id,
-                      "its input has changed since the job was submitted, so other jobs will not reuse its result");
+                      "the input has changed since the job was submitted, so other jobs will not reuse the result");
         if (*is_mine) return finish_publishing(job, identity);
         note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has replaced this one"});
       });
@@ -470,7 +470,7 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
   if (!kept.empty())
     service_log(
         LogSeverity::kWarning, job.id,
-        fmt::format("{} held files that this service did not publish; they were moved to {}", job.output, kept));
+        fmt::format("{} contained files that this service did not publish; they were moved to {}", job.output, kept));
 }
 
 void Dispatcher::remove_staging(const Job& job) const {

@@ -87,7 +87,8 @@ struct Walk {
 
   bool run(const OpenFile& folder, const std::string& prefix = "", int depth = 0) const {
     if (depth > kDepthMax)
-      throw Error(ErrorCode::kEnvironment, fmt::format("{}: folders are nested more than {} deep", prefix, kDepthMax));
+      throw Error(ErrorCode::kEnvironment,
+                  fmt::format("{}: folders are nested more than {} levels deep", prefix, kDepthMax));
     for (const std::string& name : names_in(folder, prefix)) {
       struct stat found {};
       if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone

@@ -381,7 +381,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       const std::size_t wanted = std::min<std::uint64_t>(piece.size(), left);
       co_await settings.beside([&] { count = response.made->read(piece.data(), wanted); });
       if (count == 0 || count > left)
-        throw Error(ErrorCode::kEnvironment, "the length of an answer differs from the announced length");
+        throw Error(ErrorCode::kEnvironment, "the length of the answer differs from the announced length");
       for (asio::const_buffer rest(piece.data(), count); rest.size() > 0;)
         rest += co_await line.write_some(rest, kSilence);
       left -= count;

@@ -97,7 +97,8 @@ const JobView& find_view(const Job& job, const std::string& name) {
   const JobType& type = find_job_type(job.type);
   if (type.views.empty()) refuse("there are no pictures of a " + job.type + " job");
   if (job.state != JobState::kSucceeded)
-    refuse(fmt::format("job {} is {}: pictures exist once a job has succeeded", job.id, job_state_name(job.state)));
+    refuse(
+        fmt::format("job {} is {}; pictures exist only after a job has succeeded", job.id, job_state_name(job.state)));
   const JobView* const view = type.find_view(name);
   if (view == nullptr) refuse(type.no_other_view);
   return *view;

@@ -43,8 +43,8 @@ void JobQueue::take_instance(const LedgerSettings& settings) {
     instance_ = settings.instance;
   } else if (!settings.may_begin && instance_ != settings.instance) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: is the ledger of instance {}, expected the ledger of {}: {}", settings.path, instance_,
-                            settings.instance, lost_ledger_advice()));
+                fmt::format("{}: is the ledger of instance {}, expected the ledger of instance {}: {}", settings.path,
+                            instance_, settings.instance, lost_ledger_advice()));
   }
 }
 
@@ -406,7 +406,7 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
     return result;
   }
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
-    return {{}, fmt::format("job {} {}: the job cannot be retried, submit it again", id, gone)};
+    return {{}, fmt::format("job {} {}: the job cannot be retried; submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
   // Jobs that need these jobs, and therefore died without running, wait again, unless another need is missing or their
   // deadline has passed. Each such job is examined once per job that it needs.

@@ -226,9 +226,9 @@ class Rescue {
         "UPDATE jobs SET attempt = MAX(attempt, IFNULL((SELECT MAX(number) FROM attempts WHERE job = id), 0))");
     SqliteStatement lost_needs(
         ledger_,
-        "UPDATE jobs SET state = 5, finished = ?, message = 'what it needs was lost with a damaged ledger' WHERE state "
-        "= 0 AND needs_left > (SELECT COUNT(*) FROM needs LEFT JOIN jobs AS other ON other.id = needs.needs WHERE "
-        "needs.job = jobs.id AND other.state IS NOT 4)");
+        "UPDATE jobs SET state = 5, finished = ?, message = 'a job that it needs was lost with a damaged ledger' WHERE "
+        "state = 0 AND needs_left > (SELECT COUNT(*) FROM needs LEFT JOIN jobs AS other ON other.id = needs.needs "
+        "WHERE needs.job = jobs.id AND other.state IS NOT 4)");
     lost_needs.bind(1, wall_clock_ms()).run();
     SqliteStatement last(ledger_, "SELECT IFNULL(MAX(id), 0) FROM jobs");
     last.step();

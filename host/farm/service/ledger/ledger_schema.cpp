@@ -167,7 +167,7 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
     throw Error(ErrorCode::kInput, database.path() + ": is a database, but not a ledger of jobs");
   if (found > kSchemaVersion)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: was written by a newer multum: database version {}, this one knows {}",
+                fmt::format("{}: was written by a newer multum: found database version {}, expected at most {}",
                             database.path(), found, kSchemaVersion));
   if (is_empty && !may_begin)
     throw Error(ErrorCode::kEnvironment,

@@ -359,7 +359,7 @@ void SlurmPool::send_again(std::int64_t number) {
   if (is_hopeless) {
     for (SlurmPart& row : parts) {
       row.state = SlurmPartState::kLost;
-      row.message = fmt::format("Slurm did not start it, although it was sent {} times", kSubmissionsMax);
+      row.message = fmt::format("Slurm did not start the job, although it was sent {} times", kSubmissionsMax);
       results_[{row.batch, row.item}] = {-1, row.message, false};
     }
     counters_.parts_lost += parts.size();
@@ -367,10 +367,10 @@ void SlurmPool::send_again(std::int64_t number) {
     return settle(parts);
   }
   ++counters_.forgotten;
-  service_log(
-      LogSeverity::kWarning, parts.front().job,
-      fmt::format("Slurm no longer knows its job {}, or did not start it: sent again", old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not start it; it was sent again");
+  service_log(LogSeverity::kWarning, parts.front().job,
+              fmt::format("Slurm no longer knows its job {}, or did not start it; the job is sent again",
+                          old.slurm_job.value_or(0)));
+  replace(number, {std::move(parts)}, "Slurm no longer knew the job, or did not start it; the job was sent again");
 }
 
 // Removes the files of batches once the ledger has recorded how their parts ended.

@@ -158,8 +158,8 @@ void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const bool has_w = p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] < 0.0 && p[3][3] == 0.0;
   if (!has_w || !(p[0][0] > 0.0) || !(p[1][1] > 0.0) || p[3][0] != 0.0 || p[3][1] != 0.0)
     table.refuse("projection",
-                 "is not a perspective: expected a last row of 0 0 -1 0, two numbers above 0 at the beginning of the "
-                 "diagonal, and 0 0 at the beginning of the last column");
+                 "is not a perspective projection: expected a last row of 0 0 -1 0, two numbers above 0 at the "
+                 "beginning of the diagonal, and 0 0 at the beginning of the last column");
 }
 
 void read_cameras(const StrictTable& job_table, AnimationJob& job) {

@@ -75,7 +75,7 @@ void MomentScan::add(int level, int first_row, const MomentLevel& rows) {
 std::vector<VerifyFinding> MomentScan::findings() const {
   std::vector<VerifyFinding> findings = {
       finite_finding(texels_->nonfinite, "non-finite texels"),
-      excess_finding("variance", texels_->variance, "no variance is below 0, no correlation exceeds 1",
+      excess_finding("variance", texels_->variance, "no variance is below 0, and no correlation exceeds 1",
                      "E[b b] contradicts E[b], beyond rounding,"),
       excess_finding("slope", texels_->slope, fmt::format("no mean slope exceeds {}", kSlopeMax),
                      "a mean slope is too steep"),

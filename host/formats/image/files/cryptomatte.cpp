@@ -155,7 +155,7 @@ const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, 
   if (matches.size() != 1)
     if (const auto closer = nearest_names(matches.empty() ? names : matches, prefix); !closer.empty()) matches = closer;
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the full name of one", layer,
                                          fmt::join(matches, ", ")));
   for (const auto& [key, values] : metadata)
     if (!matches.empty() && metadata_text(values, "name") == matches.front()) return &values;
@@ -179,7 +179,7 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" for Cryptomatte \"{}\"; it has {}", layer, layer,
                                          fmt::join(file.channels(), ", ")));
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the full name of one", layer,
                                          fmt::join(matches, ", ")));
   Cryptomatte result{matches.front(), "", "", {}, {}};
   const Metadata metadata = cryptomatte_metadata(file);
@@ -188,7 +188,8 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     values = metadata_by_key(metadata, {layer, result.prefix, last_of(result.prefix)});
     result.warnings.push_back(
         values != nullptr
-            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name and were matched by its hash", layer)
+            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name; they were found by the hash of this name",
+                          layer)
             : fmt::format(
                   "found no metadata of Cryptomatte \"{}\"; its objects are matched by the MurmurHash3 of their names",
                   layer));
@@ -212,9 +213,9 @@ std::uint32_t identifier_of(const ExrFile& file, const Cryptomatte& cryptomatte,
   const auto found = cryptomatte.manifest.find(name);
   if (found != cryptomatte.manifest.end()) return found->second;
   if (!cryptomatte.hash.empty() && cryptomatte.hash != "MurmurHash3_32")
-    refuse_file(file.path(), fmt::format("the Cryptomatte manifest has no \"{}\", and its hash is \"{}\", expected "
-                                         "MurmurHash3_32",
-                                         name, cryptomatte.hash));
+    refuse_file(file.path(),
+                fmt::format("the Cryptomatte manifest has no \"{}\" and uses the hash \"{}\", expected MurmurHash3_32",
+                            name, cryptomatte.hash));
   return as_identifier(murmur_hash3(name));
 }
 

@@ -23,8 +23,8 @@ namespace {
 
 void check_size(const std::string& path, int width, int height) {
   if (height < 4 || height > kEnvironmentWidthLimit / 2 || width != 2 * height)
-    refuse_file(path, fmt::format("found an image of {} x {}, expected an environment over latitude and longitude: "
-                                  "twice as wide as high, 8 x 4 to {} x {}",
+    refuse_file(path, fmt::format("found an image of {} x {}, expected a latitude-longitude environment that is twice "
+                                  "as wide as high, from 8 x 4 to {} x {}",
                                   width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
 }
 

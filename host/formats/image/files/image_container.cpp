@@ -41,9 +41,9 @@ constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 // signature contains line ends, which show that a file was transferred in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
-    return "its line ends were changed from \\n to \\r\\n, probably by a transfer in text mode";
+    return "its line endings were changed from \\n to \\r\\n, probably by a transfer in text mode";
   if (head.starts_with("\x89PNG\n\x1a"))
-    return "its line ends were changed from \\r\\n to \\n, probably by a transfer in text mode";
+    return "its line endings were changed from \\r\\n to \\n, probably by a transfer in text mode";
   if (head.size() < kPngSignature.size()) return "";
   std::string changed;
   std::size_t count = 0;
@@ -77,8 +77,8 @@ void check_png_header(const std::string& path, ByteFile& file) {
     refuse_file(path, fmt::format("damaged PNG: found {} bits per sample, expected {} for {}", bits,
                                   fmt::join(row->bits, ", "), row->name));
   if (field(26) != 0 || field(27) != 0 || field(28) > 1)
-    refuse_file(path, fmt::format("damaged PNG: found methods {}, {} and {} for compression, filters and interlacing, "
-                                  "expected 0, 0 and 0 or 1",
+    refuse_file(path, fmt::format("damaged PNG: found compression method {}, filter method {} and interlace method {}, "
+                                  "expected 0, 0, and 0 or 1",
                                   field(26), field(27), field(28)));
 }
 
@@ -183,7 +183,8 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
-    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} by its WebP header", file.size(), end));
+    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} according to its WebP header",
+                                  file.size(), end));
   const std::string chunk = file.bytes(12, 4, "a WebP chunk");
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");
@@ -263,8 +264,8 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
   if (std::find(kOtherColours.begin(), kOtherColours.end(), tiff.photometric) != kOtherColours.end())
-    refuse_file(path, fmt::format("found a TIFF of CMYK, Lab or a colour filter array (PhotometricInterpretation {}), "
-                                  "expected grey, RGB or a palette",
+    refuse_file(path, fmt::format("found a TIFF that stores CMYK, Lab or a colour filter array "
+                                  "(PhotometricInterpretation {}), expected grey, RGB or a palette",
                                   tiff.photometric));
   if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample (BitsPerSample), expected that tag");
   const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
@@ -279,17 +280,17 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (tiff.photometric == kPalette && tiff.samples > 1)
     refuse_file(path, fmt::format("found a TIFF with a palette and {} channels, expected one", tiff.samples));
   if (tiff.photometric == kWhiteIsZero && tiff.bits <= 8 && tiff.samples > 1)
-    refuse_file(path, fmt::format("found a TIFF with {} bits, 0 for white (MinIsWhite) and {} channels, all of which "
-                                  "would be inverted; expected one channel, or 0 for black",
+    refuse_file(path, fmt::format("found a TIFF with {} bits per sample, where 0 is white (MinIsWhite), and {} "
+                                  "channels, all of which would be inverted; expected one channel, or 0 as black",
                                   tiff.bits, tiff.samples));
   if (tiff.bits == 64 && tiff.is_tiled && (tiff.samples == 1 || !tiff.is_planar))
     refuse_file(
         path,
-        "found a TIFF with 64-bit floats in tiles, which OpenImageIO leaves unread; expected 32-bit floats or strips");
+        "found a TIFF with 64-bit floats in tiles, which OpenImageIO does not read; expected 32-bit floats or strips");
   if (tiff.bits == 64 && tiff.compression != 1 && !tiff.is_tiled && tiff.rows_per_strip == 0)
     refuse_file(path,
                 "found a compressed TIFF with 64-bit floats and no rows per strip (RowsPerStrip), which OpenImageIO "
-                "leaves unread; expected 32-bit floats, or that tag");
+                "does not read; expected 32-bit floats, or that tag");
 }
 
 // Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows per strip, a number that may be the largest
@@ -312,8 +313,8 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
   const TiffSurvey tiff = survey_tiff(file, 0);
   if (tiff.photometric == kWhiteIsZero && tiff.sample_format != kUnsigned)
     refuse_file(path,
-                "found a TIFF with signed integers or floats and 0 for white (MinIsWhite); expected unsigned integers, "
-                "whose black is known, or 0 for black");
+                "found a TIFF with signed integers or floats, where 0 is white (MinIsWhite); expected unsigned "
+                "integers, whose black is known, or 0 as black");
   refuse_misread_tiff(path, tiff);
   limit_strip_rows(file, tiff, container);
   container.inverts_integers = tiff.photometric == kWhiteIsZero && tiff.bits > 8;
@@ -332,7 +333,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
         fmt::format("the file has {} pages; only the first is read{}", tiff.page_count,
                     tiff.is_reduced ? ", although the file says that it is a reduced version of another page" : ""));
   else if (tiff.is_reduced)
-    container.notes.emplace_back("the file says that its picture is a reduced version of another");
+    container.notes.emplace_back("the file says that its picture is a reduced version of another picture");
   container.texel_metres = tiff.texel_metres;
   container.no_data = tiff.no_data;
 }
@@ -358,7 +359,7 @@ std::string other_kind(std::string_view head) {
   if (head.starts_with("DDS "sv))
     return fmt::format("a DDS texture for GPUs, {}: give the map that it was made from", kExpected);
   if (head.starts_with("glTF"sv))
-    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, 'multum materials' lists its maps",
+    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, and 'multum materials' lists its maps",
                        kExpected);
   return "";
 }

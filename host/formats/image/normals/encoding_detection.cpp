@@ -306,9 +306,9 @@ BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
 
 std::string blue_doubt_text(const VectorStatistics& s) {
   return fmt::format(
-      "blue does not depend on red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
-      "{:.0f} % of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, "
-      "smoothness or height",
+      "blue does not depend on red and green as z would: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
+      "{:.0f} % of the variance of blue, and z from red and green differs by {:.1f} degrees rms; blue may hold "
+      "occlusion, smoothness or height",
       100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
 }
 
@@ -380,7 +380,7 @@ DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, c
                 fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
                             "values{}",
                             path, *why, advice(". If it is a height field, use <bumpformat height>")));
-  return height_field(reason + "; a grey gloss, mask or albedo looks like a height",
+  return height_field(reason + "; a grey gloss, mask or albedo looks like a height field",
                       {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
 }
 
@@ -402,26 +402,28 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
                                                evidence.info().format, channel_count, height_coding_name(coding)));
   return height_field(coding_of(settings.bump_format)
-                          ? height_coding_name(coding) + ", as asked for"
-                          : height_coding_name(coding) + ": they are continuous, but single channels jump",
+                          ? height_coding_name(coding) + ", as requested"
+                          : height_coding_name(coding) + ": the heights are continuous, but single channels jump",
                       {coding, std::nullopt}, settings);
 }
 
 // Reads a file as heights because the settings request it.
 DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
   if (is_grey(evidence))
-    return height_field(
-        evidence.info().channel_count == 1 ? "as asked for" : "as asked for; the mean of equal colour channels",
-        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+    return height_field(evidence.info().channel_count == 1
+                            ? "as requested"
+                            : "as requested; heights are the mean of equal colour channels",
+                        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
   if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
     return packed_heights(path, evidence, *packed, settings);
   throw Error(
       ErrorCode::kInput,
-      fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
-                  "one channel, or equal ones. Save the channel with the heights as grey (oiiotool IN --ch R -o OUT){}",
-                  path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
-                  advice("; if the bytes of heights are spread over the channels, use <bumpformat packed16>, packed24, "
-                         "terrarium or mapbox")));
+      fmt::format(
+          "{}: found colours, whose channels differ by {:.3g} of their {} (rms), expected heights as requested: one "
+          "channel, or equal channels. Save the channel with the heights as grey (oiiotool IN --ch R -o OUT){}",
+          path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
+          advice("; if the bytes of heights are spread over the channels, use <bumpformat packed16>, packed24, "
+                 "terrarium or mapbox")));
 }
 
 // The threshold separates maps with known green, which reach at least 0.31, from other maps, which reach at most 0.15
@@ -475,8 +477,8 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(
-      fmt::format("green is read as {}, because of the first tile of its set that shows a direction, but the slopes in "
-                  "this tile show that green points {}{}",
+      fmt::format("green is read as {} in all tiles, because the first tile with a clear direction says so, but the "
+                  "slopes in this tile show that green points {}{}",
                   green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 
@@ -512,7 +514,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
       throw Error(ErrorCode::kInput,
-                  path + ": found 1 colour channel, expected a normal map with 2 or 3 channels as asked for");
+                  path + ": found 1 colour channel, expected a normal map with 2 or 3 channels as requested");
     return grey_image(path, evidence, "1 channel", settings);
   }
   if (settings.bump_format == BumpFormat::kAuto) {
@@ -537,7 +539,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const bool asks_set = green_of_set && !settings.green;
   const std::optional<GreenAxis> found_green = asks_set ? green_of_set(own_green) : own_green;
   result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
-  const char* green_note = settings.green.has_value()             ? ", as asked for"
+  const char* green_note = settings.green.has_value()             ? ", as requested"
                            : !found_green.has_value()             ? ", undecided"
                            : asks_set && found_green != own_green ? ", as in its set"
                                                                   : "";
@@ -552,8 +554,8 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
         fmt::format(", blue is {:.3g} everywhere, which is not the z of unit vectors", reading.statistics.blue_min);
   if (reading.signed_z_error > 0.0)
     result.reason += fmt::format(
-        ", lengths are within {:.2g} % of 1 (rms of tilted texels) if z is blue, within {:.2g} % "
-        "if it is 2 blue - 1",
+        ", lengths are within {:.2g} % of 1 (rms of tilted texels) if blue is z, and within {:.2g} % if z is 2 * blue "
+        "- 1",
         100.0 * reading.statistics.length_error, 100.0 * reading.signed_z_error);
   warn_of_length(reading, result.warnings);
   warn_of_green(settings, found_green, reading.statistics, result.warnings);

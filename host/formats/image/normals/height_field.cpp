@@ -199,7 +199,7 @@ std::string description(const HeightSurface& surface, const RowSums& sums, doubl
   if (unit > 1.0) text += fmt::format(" of {:.10g}", unit);
   if (sums.missing > 0)
     text += fmt::format(
-        ", no data{} on {:.3g} % of the texels, which are flat",
+        ", no data{} in {:.3g} % of the texels, which are read as flat",
         reading.no_data ? fmt::format(" ({:.6g})", unit * static_cast<double>(*reading.no_data)) : "",
         100.0 * static_cast<double>(sums.missing) / (static_cast<double>(surface.width()) * surface.height()));
   return text;

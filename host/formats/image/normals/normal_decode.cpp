@@ -156,7 +156,7 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
                             advice(" (if it is a normal map, use <bumpformat normal>)")));
-  map.report.warnings.push_back(found + "; they are treated as never written and read as flat");
+  map.report.warnings.push_back(found + "; they count as unused, and are read as flat");
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 
 std::string step_text(const SeamStep& step) {
   return fmt::format(
-      "the step across its border is {:.3g} rms, steps inside are {:.3g} in the median and {:.3g} at most", step.border,
-      step.median, step.largest);
+      "the step across its border is {:.3g} rms, and steps inside are {:.3g} in the median and {:.3g} at most",
+      step.border, step.median, step.largest);
 }
 
 struct Direction {

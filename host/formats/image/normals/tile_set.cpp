@@ -109,7 +109,7 @@ TileBorders read_borders(const std::string& path, const TileSet::BorderReading& 
   TileBorders borders{info.width, info.height, info.base_type, "", {}, {}};
   const int channel_count = reading.coding == HeightCoding::kPacked16 ? 2 : 3;
   if (reading.coding == HeightCoding::kGrey ? !is_grey_image(info, survey) : info.channel_count < channel_count)
-    borders.failure = fmt::format("does not hold such heights ({})", info.format);
+    borders.failure = fmt::format("does not hold heights of this kind ({})", info.format);
   if (!borders.failure.empty()) return borders;
   const HeightSurface surface(image, {reading.coding, survey.no_data()}, survey.nonfinite_count() == 0,
                               reading.fix_nan);

@@ -68,7 +68,7 @@ std::uint64_t RecordFile::visit_records(const std::string* key, const std::funct
     throw Error(ErrorCode::kEnvironment,
                 shown_path_ +
                     ": its first line is not 'multum records 1', so another version of multum or another program wrote "
-                    "it; delete it, or finish the stopped work with the version that wrote it");
+                    "it; delete it, or finish the interrupted work with the version that wrote it");
   const std::size_t key_end = text.find('\n', kFormatBytes);
   if (key_end == std::string::npos || (key != nullptr && text.substr(kFormatBytes, key_end - kFormatBytes) != *key))
     return 0;

@@ -90,7 +90,7 @@ WorkFolder::~WorkFolder() {
 }
 
 void WorkFolder::clear(const std::string& kept) const {
-  if (!clear_own_folder(folder_, kept)) fail_by_errno(shown_path_, "a part of stopped work cannot be removed");
+  if (!clear_own_folder(folder_, kept)) fail_by_errno(shown_path_, "a part of interrupted work cannot be removed");
 }
 
 std::string partial_folder_of(const std::string& output) {

@@ -434,7 +434,7 @@ TEST_F(SceneTest, ASheenIsLitByLights) {
   EXPECT_EQ(material.brdfs[0].kind, BrdfKind::kCharlie);
   EXPECT_EQ(material.brdfs[0].roughness, 0.3f);
   EXPECT_EQ(material.brdfs[1].specular, glm::vec3(1.0f));
-  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected lights"},
+  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected only lights"},
                [&] { read(sheen("[0.3, 0.6]") + lit); });
   expect_error(ErrorCode::kInput, {path(), "material.roughness", "0.04", "0.05 to 1"}, [&] { read(sheen("0.04")); });
   write_map(64, noise);
@@ -519,7 +519,7 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     // long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"and the trials (up to 24 per map, a few seconds in total)"});
+      expect_says(part, {"plus the trials (up to 24 per map, a few seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target))
         << "the chosen settings need not have a lower error than the target";
   }

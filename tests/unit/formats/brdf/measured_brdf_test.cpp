@@ -128,7 +128,8 @@ TEST_F(MeasuredFileTest, RefusesWhatIsNoMeasurement) {
   expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), {"line 2", "numbers"});
   expect_refusal(read_measured_brdf, write("count.brdf", "2.5 400 500 600 1 2 3 4"), {"wavelengths", "2.5"});
   expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), {"rows", "7"});
-  expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"), {"primaries"});
+  expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"),
+                 {"red, green and blue"});
   expect_refusal(read_measured_brdf, write("below.brdf", "5 400 475 550 625 700 3 0 3 0 .5 .5 .5 .5 .5"), {"horizon"});
 }
 

@@ -262,7 +262,7 @@ TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   expect_cause(with_byte(24, 99), {"found 99 bits"});
   expect_cause(with_byte(25, 1), {"found colour type 1"});
   expect_cause(with_byte(25, 3), {"PLTE"});
-  expect_cause(with_byte(28, 5), {"interlacing"});
+  expect_cause(with_byte(28, 5), {"interlace method 5"});
   expect_cause(with_byte(29, 0x77), {"CRC"});  // the header's CRC
   const std::size_t rows = good.find("IDAT") - 4, end = good.find("IEND") - 4;
   expect_cause(good.substr(0, rows) + good.substr(end), {"no rows (IDAT)"});

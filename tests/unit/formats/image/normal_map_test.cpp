@@ -251,7 +251,7 @@ TEST(NormalMapReading, OverridesWin) {
   NormalMapSettings settings;
   settings.green = GreenAxis::kDown;
   const NormalMap flipped = read_map(folder / "a.png", settings);
-  EXPECT_TRUE(contains(flipped.report.encoding, "green down (DirectX), as asked for"));
+  EXPECT_TRUE(contains(flipped.report.encoding, "green down (DirectX), as requested"));
   for (std::size_t i = 0; i < found.y.size(); ++i) ASSERT_EQ(flipped.y[i], -found.y[i]);
   settings = {};
   settings.two_channel = true;

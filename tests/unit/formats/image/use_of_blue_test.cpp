@@ -88,7 +88,7 @@ TEST_F(UseOfBlue, ZFromZeroToOneIsFound) {
       SCOPED_TRACE(::testing::Message() << degrees << " degrees, " << name);
       const NormalMap map = read_map(folder_ / name);
       EXPECT_TRUE(contains(map.report.encoding, "z from 0 to 1")) << map.report.encoding_reason;
-      EXPECT_TRUE(contains(map.report.encoding_reason, "2 blue - 1")) << map.report.encoding_reason;
+      EXPECT_TRUE(contains(map.report.encoding_reason, "2 * blue - 1")) << map.report.encoding_reason;
       EXPECT_LT(degrees_off(map, normals), 0.7);
     }
   }
