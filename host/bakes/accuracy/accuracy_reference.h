@@ -22,7 +22,7 @@
 
 namespace multum {
 
-/// Normals and, unless null, linear colours; both have the size of level 0.
+/// Normals and linear colours of the size of level 0; colours may be null.
 struct FinestPlanes {
   const PlaneStore& normals;
   const PlaneStore* albedo;
@@ -67,7 +67,7 @@ class TexelSums : public RowSums {
   std::vector<double> sums_;  // [slot][value]
 };
 
-/// Evaluates `count` values per texel of a row, for one direction.
+/// Evaluates `count` values for each texel of a row, for one direction.
 struct BrdfValues {
   std::size_t count;
   std::function<void(const std::array<const float*, 3>& normals, int width, const std::vector<double*>& rows)> evaluate;
@@ -81,15 +81,16 @@ double highlight_scale(const Highlight& highlight);
 /// One value per shortened normal (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
-/// Averages a BRDF times n . l over footprints: the reference of pixels. Value e belongs to highlight e; with colours,
-/// value (1 + c) * count + e is also multiplied by channel c.
+/// Averages a BRDF times n . l over footprints. These averages are the reference of pixels. Value e belongs to
+/// highlight e; with colours, value (1 + c) * count + e is also multiplied by channel c.
 class FootprintReference : public RowSums {
  public:
-  /// `values` are the highlights, which are multiplied by `cosines`; nullopt for Lambert, which uses only the cosines.
+  /// `values` are the highlights, which are multiplied by `cosines`. They are nullopt for Lambert, which uses only the
+  /// cosines.
   FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
                      bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Adds a row with evaluated values of each highlight, or of Lambert.
+  /// Adds a row of values that were evaluated for each highlight, or for Lambert.
   void add_values(const FinestRow& row, const std::vector<double*>& values);
   double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
 
@@ -98,13 +99,14 @@ class FootprintReference : public RowSums {
   const std::optional<BrdfValues> brdf_;
   const BrdfValues cosines_;
   const std::size_t highlight_count_, value_count_;
-  std::vector<AlignedRow> rows_;      // [highlight]; one for Lambert
-  AlignedRow cosine_row_, coloured_;  // a row each
+  std::vector<AlignedRow> rows_;      // [highlight]; Lambert has only one
+  AlignedRow cosine_row_, coloured_;  // each holds one row
   AlignedRow scratch_;                // for FootprintAverages
   std::vector<double> sums_;          // [footprint][value]
 };
 
-/// Averages BRDF values over texels: value e; with colours, value (1 + c) * count + e is multiplied by channel c.
+/// Averages BRDF values over texels. Value e belongs to BRDF e; with colours, value (1 + c) * count + e is also
+/// multiplied by channel c.
 class BrdfReference : public TexelSums {
  public:
   BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
@@ -115,7 +117,7 @@ class BrdfReference : public TexelSums {
  private:
   const BrdfValues brdf_;
   std::vector<AlignedRow> rows_;  // [exponent]
-  AlignedRow coloured_;           // a row
+  AlignedRow coloured_;           // holds one row
   FootprintReference* footprints_ = nullptr;
 };
 
@@ -132,10 +134,10 @@ class PlaneAverages : public TexelSums {
 
 struct StreamSettings {
   int threads = 2;
-  int rows_per_band = 0;  // 0 chooses rows for about 3 MB of normals
+  int rows_per_band = 0;  // 0 chooses bands of about 3 MB of normals
 };
 
-/// Gives every row to all of `sums` and finishes them. Progress counts no units; cancels between bands.
+/// Adds every row to all of `sums` and finishes them. Progress counts no units; cancels between bands.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 

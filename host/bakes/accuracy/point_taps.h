@@ -9,7 +9,7 @@
 namespace multum {
 
 struct WeightedSlot {
-  std::size_t slot;  // of a TexelSelection
+  std::size_t slot;  // slot of a TexelSelection
   double weight;
 };
 

@@ -19,8 +19,8 @@ class MomentSink {
   virtual void add_level(int level, int first_row, MomentLevel rows) = 0;
 };
 
-/// Gives rows to `sink`, exact to float, before they are rounded for storage (quantize_moments). Fills device, plan
-/// and counts of `report`. Errors and progress are those of average_map().
+/// Passes rows to `sink` as floats, before they are rounded for storage (quantize_moments). Fills the device, plan and
+/// counts of `report`. Errors and progress are those of average_map().
 void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress);
 

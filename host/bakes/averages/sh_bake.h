@@ -20,7 +20,7 @@ class ShSink {
 /// Throws Error(kUsage) if the order is out of range.
 void validate_sh_order(int order);
 
-/// Gives rows to `sink`, exact to float, before they are rounded for storage (quantize_sh). Fills device and plan of
+/// Passes rows to `sink` as floats, before they are rounded for storage (quantize_sh). Fills the device and plan of
 /// `report`. Errors and progress are those of average_map().
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress);

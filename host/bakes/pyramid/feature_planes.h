@@ -17,10 +17,10 @@ namespace multum {
 
 struct FeaturePlanes {
   std::vector<const PlaneStore*> rgb_planes;
-  bool has_colours = false;  // the first triple
+  bool has_colours = false;  // colours are the first triple
   int weight_count = 0;      // number of weights in the triples after the colours
 
-  /// `albedo` and `weights` may be null, and must outlive the result.
+  /// `albedo` and `weights` may be null. They must outlive the result.
   static FeaturePlanes of(const PlaneStore* albedo, const WeightMap* weights);
   /// Returns these features with colours in front. `albedo` must outlive the result; there must be no colours yet.
   FeaturePlanes with_colours(const PlaneStore& albedo) const;
@@ -34,13 +34,13 @@ struct FeaturePlanes {
 struct MapInputs {
   const PlaneStore* normals = nullptr;
   FeaturePlanes features = {};                          // features of the map's size
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // memory for windows and buffers; does not change the result
   int threads = 1;                                      // number of threads for loops on the host
   std::uint64_t writer_bytes = 0;              // part of memory_bytes that the writer holds during the fit of levels
-  SpillPolicy spill{.memory_bytes = 4 << 20};  // for rows that the next level needs
+  SpillPolicy spill{.memory_bytes = 4 << 20};  // policy for rows that the next level needs
 };
 
-/// Splits features of some texels, [triple][texel], into the file's form: colours, and weights texel by texel.
+/// Splits features [triple][texel] into the form of the file: colours, and weights texel by texel.
 void split_features(std::vector<std::vector<glm::vec3>> rgb_planes, const FeaturePlanes& features,
                     std::vector<glm::vec3>& colours, std::vector<float>& weights);
 

@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// With a target and several lobes, trials choose among vMF lobes, up to the largest number
+// If there is a target and several lobes are needed, trials choose among vMF lobes, up to the largest number
 // (host/bakes/scene/scene_bake.cpp).
 std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandidate& chosen) {
   if (!budget.target_error || !holds_lobes(chosen.shape.representation) || chosen.shape.lobe_count < 2)
