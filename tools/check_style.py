@@ -17,7 +17,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 LINE_LENGTH_MAX = 120
 COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
            ".cmake": "#", ".txt": "#", "": "#", ".js": "//", ".mjs": "//", ".css": "/*"}
-# Every source with these endings must be named by a build file, or it is dead. Kernels are globbed; headers are
+# A source with one of these endings is dead unless a build file names it. Kernels are found by a glob, and headers are
 # included.
 BUILT = {".cpp", ".cl", ".glsl", ".vert", ".frag"}
 SOURCE_FOLDERS = ("kernels", "host", "runtime_gl", "tools", "tests")

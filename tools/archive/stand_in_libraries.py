@@ -49,7 +49,7 @@ def source_of(soname, wanted, defined):
             lines.append(f"char {name}[{max(size, 8)}] __attribute__((aligned(32)));")
     script = []
     for version, names in versions.items():
-        if version:  # a symbol without a version stays global by default
+        if version:  # without a version, a symbol stays global by default
             script.append(version + " { global: " + " ".join(f"{n};" for n in names) + " };")
     return "\n".join(lines) + "\n", "\n".join(script)
 

@@ -64,7 +64,8 @@ std::string command_patterns(const CommandText& program) {
   return text;
 }
 
-// Returns the arms of a `case` over "COMMAND:OPTION", one per option with choices. `arm` gets the pattern and choices.
+// Returns the arms of a `case` over "COMMAND:OPTION", one per option with choices. `arm` receives the pattern and the
+// choices.
 std::string choice_arms(const CommandText& program,
                         const std::function<std::string(const std::string&, const std::string&)>& arm) {
   std::string text;

@@ -13,12 +13,12 @@ from measured_run import succeed
 SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
-PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
-# Each row: name of the runs in the file of --state, title, and options of `multum export`.
+PREFILTER = "roughness-prefilter"  # from Debian's libfilament-tools
+# Each row has the name of the runs in the file of --state, a title, and options of `multum export`.
 WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
         ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
         ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))
-FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter; ratios divide by the fastest one
+FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios divide by the fastest one
 
 HEAD = """## Time and memory
 

@@ -26,8 +26,8 @@ import export_costs
 from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
-STORED_ROUGHNESS = 0.25  # at which bytes are counted
-STORED_EVERY = 5  # one map in so many, by name, is stored in all ways
+STORED_ROUGHNESS = 0.25  # roughness at which bytes are counted
+STORED_EVERY = 5  # every fifth map, by name, is stored in all ways
 LEVELS = (2, 4, 6)
 RULES = (("averaged", "averaged normals with base roughness"), ("unreal", "Unreal, without its blur of normals"),
          ("unity", "Unity HDRP"), ("godot", "Godot"), ("filament", "Filament's roughness-prefilter"),
@@ -216,7 +216,7 @@ Zstandard does not reduce GPU memory.
 |---|---|---|---|---|---|
 """
 
-# Each row: name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
+# Each row has a name, and the keys in a row's storage for bytes, bytes with Zstandard, and errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))

@@ -27,7 +27,7 @@ import OpenImageIO
 import model_views
 
 MATERIALS = (("metal, 0.5", 0.5, 1), ("dielectric, 0.25", 0.25, 0))
-TEXELS = (4, 16)  # a pixel
+TEXELS = (4, 16)  # texels per pixel
 SIDE, ANGLE, DISTANCE = 100, 45, 2.9
 DIRECTIONS = {"plane": ((0.3, 0.1, 1.0), (1.0, 0.5, 0.7)), "sphere": ((0.3, 0.1, 1.0),)}
 KTX2 = "image/ktx2"
@@ -120,9 +120,9 @@ def errors_of(arguments, path, roughness, metalness):
         one, _ = export(multum, path, folder, "one-lobe", roughness, metalness, (spec.width, spec.height))
         auto, report = export(multum, path, folder, "auto", roughness, metalness, (spec.width, spec.height))
         rows = []
-        pixel = 2 * math.tan(math.radians(ANGLE / 2)) / SIDE  # at distance 1
+        pixel = 2 * math.tan(math.radians(ANGLE / 2)) / SIDE  # side of a pixel at distance 1
         for kind, directions in DIRECTIONS.items():
-            unit = spec.width / (2 if kind == "plane" else math.pi)  # texels a unit of a map that is there once
+            unit = spec.width / (2 if kind == "plane" else math.pi)  # texels per unit if the map is not repeated
             for texels in TEXELS:
                 repeat = max(1, round(texels / (pixel * DISTANCE * unit)))
                 for file, images, factor in (("plain", level_0, roughness), ("one", one, 1.0), ("auto", auto, 1.0)):

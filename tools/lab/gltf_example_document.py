@@ -16,7 +16,7 @@ import tempfile
 
 from model_views import DISTANCES, VIEW, byte_text, digest, draw, dress, link_model, run
 
-EVALUATIONS = 4  # of @multum/three, in a pixel
+EVALUATIONS = 4  # evaluations per pixel of @multum/three
 WAYS = ("plain mips", "points", "one lobe", "lobes")
 PAGE = """# Models with lobes
 

@@ -125,7 +125,7 @@ def table(errors, ratios):
 
 def html_table(lines):
     rows = [[html.escape(cell.strip()) for cell in line.strip("|").split("|")] for line in lines]
-    names = {1: ' class="text"'}  # the texels' column
+    names = {1: ' class="text"'}  # the column of the texels
     row = lambda cells, tag: "<tr>" + "".join(f"<{tag}{names.get(i, '')}>{cell}</{tag}>"
                                               for i, cell in enumerate(cells)) + "</tr>"
     body = [row(cells, "td") for cells in rows[2:]]

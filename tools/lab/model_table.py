@@ -25,11 +25,12 @@ from model_views import DISTANCES, MODULES, ROOT, VIEW, digest, draw, dress, fai
 LIST = ROOT / "tools" / "lab" / "models.json"
 SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
-SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
+SURFACE_REACH = 1.2  # half of the diagonal in metres, about the same as for most listed models
 DRAWING = 1  # version of tests/three/model_page.js; raise it if the pictures change
-GRIDS = 2  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
-COUNTS = (1, 4, 8, 16)  # evaluations
-# Rows by name. `dressed`: options of `multum gltf`, or None for the original model. Other keys belong to model_page.js.
+GRIDS = 2  # largest number of grids of 12 x 12 samples per pixel of the whole picture; parts of it can have more
+COUNTS = (1, 4, 8, 16)  # numbers of evaluations
+# Rows by name. `dressed` holds options of `multum gltf`, or None for the original model. Other keys belong to
+# model_page.js.
 ROWS = {"plain mips": {"dressed": None}}
 ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
 ROWS |= {"one lobe": {"dressed": ["--lobes"]}}
@@ -37,7 +38,7 @@ ROWS |= {f"one lobe and points, {n}": {"dressed": ["--lobes"], "points": n} for 
 for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
     ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
              for n in COUNTS}
-ROWS_AT_ONCE = 6  # what a browser draws before it is kept
+ROWS_AT_ONCE = 6  # number of rows that a browser draws before the results are stored
 # Files of the package on which a row depends.
 POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
 
@@ -102,7 +103,7 @@ def measure(cache, entry, rows, distances):
     files = {name: file_of(cache, entry, row) for name, row in rows.items()}
     reports = {" ".join(row["dressed"]): cache.dressed(source, row["dressed"])[1] for row in rows.values()
                if row["dressed"] is not None}
-    wanted = {}  # rows to draw, by the distances that they lack
+    wanted = {}  # rows to draw, by the distances that are missing
     for name, row in rows.items():
         lacking = tuple(one for one in distances if not
                         cache.row_file(files[name], row, view_from(one), reach).exists())

@@ -4,9 +4,9 @@ import statistics
 
 from model_views import byte_text
 
-GAP_MIN = 0.5  # points between plain mips and the floor, below which a share of it says nothing
-NEAR = 1  # metres: close up
-NEXT_COUNT = 5  # views that are named after the worst
+GAP_MIN = 0.5  # smallest difference in percentage points between plain mips and the floor for which a share is stated
+NEAR = 1  # distance in metres of a close view
+NEXT_COUNT = 5  # number of views that are listed after the worst one
 PAGE = """# Models and surfaces
 
 three.js draws models and bumpy surfaces, and this page lists the errors of the pictures. The page compares plain mips,

@@ -72,7 +72,7 @@ def measure(bakes):
     found["kFitFine"], found["kFitLobeFine"] = line(level_sum(two, fine) / 4.0, level_sum(four, fine) / 4.0)
     found["kFitCoarse"] = max(0.0, four["fit"] - level_sum(four, range(1, 6)))
     found["kColourFactor"] = max(0.0, coloured["fit"] / four["fit"] - 1.0)
-    found["kWriteTexture"] = four["write"] / (4.0 * 4.0 / 3.0)  # lobes, levels
+    found["kWriteTexture"] = four["write"] / (4.0 * 4.0 / 3.0)  # number of lobes times the size of all levels
     # Lambert costs a third as much as an exponent. A bake measures Lambert once, and three exponents.
     found["kMeasureExponent"] = four["measure"] / (3.0 + 1.0 / 3.0)
     found["kMeasureLambert"] = found["kMeasureExponent"] / 3.0

@@ -27,13 +27,13 @@ import committed_tree
 from debian_python import use_a_python_with
 
 PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
-         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
-RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
-GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
-# Each row: name, options of `multum pack`, colour and dash of the curve.
+         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # parts, and the kinds of their rows
+RATIOS = (192, 384, 768)  # ratios that tables state; parts are compared at the middle one
+GROWTH_RATIOS = (96, 192)  # ratios at which fields with more and more parameters are compared
+# Each row has a name, options of `multum pack`, and the colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
-# Options that switch off one part of the encoder each. Names are keys of rows.
+# Options that each switch off one part of the encoder. Names are keys of rows.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
               ("plain pyramid over parameters", ("--pyramid", "plain")),
               ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
@@ -131,7 +131,7 @@ class FieldMeasurement:
         for name, options, *_ in PACKINGS:
             if (options[-1] if options else "auto") not in coders:
                 continue
-            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # those of tables first
+            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # ratios of tables first
                 self.rows.measured(self.name, "pack", f"{name}, {ratio:g}:1",
                                    lambda: {"curve": name, "asked": ratio,
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
@@ -154,7 +154,7 @@ class FieldMeasurement:
         for name, options in CODER_SETS:
             row = self.rows.find(self.name, "coder", name)
             if row and "refused" in row and self.programs.unknown_option(options) is None:
-                self.rows.all.remove(row)  # an older binary did not have it
+                self.rows.all.remove(row)  # an older binary did not have this option
             self.rows.measured(self.name, "coder", name, lambda: {
                 "options": " ".join(options), **self.packed_at_main(options)})
 
@@ -269,7 +269,7 @@ def prepared(folder, work, programs, rows, split):
 
     def measure():
         if not (inferred / "inferred.json").exists():
-            shutil.rmtree(inferred, ignore_errors=True)  # of a run that was stopped: its seconds would not count
+            shutil.rmtree(inferred, ignore_errors=True)  # files of a stopped run, whose seconds would not count
         done = programs.infer(job, inferred)
         field = Field(job)
         geometry = field.geometry.read_bytes()
@@ -282,7 +282,7 @@ def prepared(folder, work, programs, rows, split):
                 "memory_bytes": done.memory_bytes}
 
     if rows.find(name, "field", "inferred") is None:
-        shutil.rmtree(inferred, ignore_errors=True)  # all of it counts
+        shutil.rmtree(inferred, ignore_errors=True)  # the whole time counts
     rows.measured(name, "field", "inferred", measure)
     return name, job, inferred
 

@@ -18,7 +18,8 @@ MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTAL
 FOREIGN = {"lobe_textures": "tools/lab/lobe_textures_document.py"}
 # Pages that may have measured figures only between the marks.
 MARKED_ONLY = ("README.md", "docs/explanation/")
-# A number with a unit that only a measurement gives; 0 % and 100 % explain what an error means.
+# A number with a unit that comes only from a measurement. 0 % and 100 % are excluded, because they explain what an
+# error means.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
 COMMANDS = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\((docs/[^)]*)\)")
@@ -26,7 +27,8 @@ LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mi
 FILTERS = {"taps": "default filter, 4 taps",
            "points": "default filter, 4 evaluations of light per pixel for every method",
            "trilinear": "trilinear filter"}
-EVALUATED = "-points"  # the ending of methods that are shaded at as many points as multum takes evaluations
+# The ending of the names of methods that are shaded at as many points as multum makes evaluations.
+EVALUATED = "-points"
 
 
 class Unreadable(Exception):
@@ -111,8 +113,8 @@ has {made_of["samples"]} samples per pixel; the noise of the reference is {perce
 
 # ---- highlights of texels, by roughness
 
-# Forms that a shader draws, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a new
-# shader.
+# Forms that a shader can draw, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a
+# new shader.
 DRAWN = (("averaged normals", r"averaged normals\b[^|]*"), ("Unreal's rule", r"Unreal\b[^|]*"),
          ("Unity HDRP's rule", r"Unity HDRP\b[^|]*"), ("`multum export`", r"\*\*`?multum export`?\*\*"),
          ("four lobes of `multum bake`", r"(?:four )?lobes of `multum bake`[^|]*"))

@@ -123,7 +123,7 @@ def first_value(path, key):
 
 def machine_rows(devices, contexts, versions):
     """Describes the machine and the software of a page's figures: (what, its name)."""
-    commit = f"commit {committed_tree.commit_of()}"  # behind which -dirty stands where sources are not committed
+    commit = f"commit {committed_tree.commit_of()}"  # followed by -dirty if sources are not committed
     rows = [["processor", first_value("/proc/cpuinfo", "model name") or platform.machine()],
             ["logical cores", len(os.sched_getaffinity(0))],
             ["system", first_value("/etc/os-release", "PRETTY_NAME") or platform.platform()],

@@ -20,7 +20,7 @@ import numpy as np  # noqa: E402
 import OpenImageIO as oiio  # noqa: E402
 
 PANEL, MARGIN, LABEL, FONT, FONT_PIXELS = 240, 8, 26, "DejaVuSans", 18
-RADIUS = 0.7  # of the disc that a panel shows, in the x and y of half vectors
+RADIUS = 0.7  # radius of the disc that a panel shows, in x and y of half vectors
 NAMES = ("reference", "averaged normal", "one lobe", "four lobes")
 
 
@@ -98,7 +98,7 @@ def texels_of(path, level):
     normals = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
     lobes = []
     for j in range(4):
-        values, names = level_of(path, f"lobe.{j}", level - 1)  # the first level of lobes is 1
+        values, names = level_of(path, f"lobe.{j}", level - 1)  # the first level of lobes is level 1
         order = [next(i for i, name in enumerate(names) if name.endswith(end)) for end in ("R", "G", "B", "A")]
         lobes.append(scaled(values[..., order]))
     side = 2**level

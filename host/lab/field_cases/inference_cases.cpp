@@ -67,7 +67,7 @@ void empty_and_uneven_rows(Device& device, WorstError& worst) {
         sum += product;
         magnitude += std::abs(product);
       }
-      // Devices may treat denormal numbers as 0.
+      // Devices are allowed to treat denormal numbers as 0.
       worst.add(static_cast<double>(found[r][c]), sum, magnitude + 1e-30, fmt::format("row {}", r));
     }
 }
@@ -386,7 +386,7 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The host computes the inverses, so this kernel edit replaces each inverse of 0 by infinity, as if the host had no
+  // The host computes the inverses, so this kernel edit replaces each inverse of 0 with infinity, as if the host had no
   // guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",

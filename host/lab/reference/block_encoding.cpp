@@ -17,17 +17,17 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
 
-// Texels of a line, `channels` values each.
+// Texels of a line, each with `channels` values.
 struct LineTexels {
   int channels;
   std::vector<std::array<double, 3>> texels;
 };
 
 struct LineFormat {
-  int bits;         // of a code
-  bool has_p;       // one more bit below it
-  int p;            // its value
-  int index_count;  // 4, 8, 16
+  int bits;         // bits of a code
+  bool has_p;       // true if there is one more bit below the code
+  int p;            // value of this bit
+  int index_count;  // 4, 8 or 16
 };
 
 int decoded(int code, const LineFormat& format) {
@@ -37,7 +37,7 @@ int decoded(int code, const LineFormat& format) {
   return wide;
 }
 
-using Codes = std::array<int, 6>;  // channel by channel, both ends
+using Codes = std::array<int, 6>;  // both end points of one channel after another
 
 // Each texel takes the best of all indices.
 double error_of(const LineTexels& line, const LineFormat& format, const Codes& codes) {
@@ -63,7 +63,7 @@ double error_of(const LineTexels& line, const LineFormat& format, const Codes& c
   return sum;
 }
 
-// Starts with ends that are two of the texels, with random changes, and descends in steps of one code or of both codes
+// Starts with end points that are two of the texels, randomly changed. Descends in steps of one code or of both codes
 // of a channel.
 double line_error(const LineTexels& line, const LineFormat& format, int start_count, std::mt19937& random) {
   if (line.texels.empty()) return 0.0;
@@ -105,7 +105,7 @@ LineTexels texels_of(const BlockColours& colours, unsigned mask) {
   return line;
 }
 
-// One channel separately, and the two others together.
+// Searches one channel separately, and the two others together.
 double separate_error(const BlockColours& colours, std::size_t alone, const LineFormat& pair, const LineFormat& one,
                       std::mt19937& random) {
   LineTexels two{2, {}}, single{1, {}};

@@ -9,13 +9,14 @@
 
 namespace multum {
 
-/// One line per case: name, worst error, bound, errors without the guard and with a bug if those were tested, verdict.
+/// Formats one line per case: name, worst error, bound, errors without the guard and with a bug if these were tested,
+/// and verdict.
 std::string case_table(const NumericalRun& run);
 
-/// Errors that are not finite become the texts "NaN" and "inf".
+/// Errors that are not finite are written as the texts "NaN" and "inf".
 std::string case_json(const NumericalRun& run);
 
-/// Parses the output of case_json(). Throws Error(kInput) naming `path` for any other text.
+/// Parses the output of case_json(). Throws Error(kInput) that names `path` for any other text.
 NumericalRun parse_case_json(const std::string& text, const std::string& path);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the coverage of finest texels by a texel, by definition: fractions at its borders count
+// Computes by definition which finest texels are covered by a texel. Fractions at its borders count
 // (docs/contributing/ALGORITHMS.md, "Notation").
 #pragma once
 
@@ -14,8 +14,8 @@ inline double overlap(int index, int texel, int from, int to) {
   return std::max(0.0, std::min(index + 1.0, (texel + 1) * step) - std::max<double>(index, texel * step));
 }
 
-/// Calls visit(i, weight) for every finest texel i (y * map_width + x) that texel (x, y) of a level `width` by
-/// `height` overlaps. Weights are areas in finest texels.
+/// Calls visit(i, weight) for every finest texel i (y * map_width + x) that texel (x, y) of a level of `width` by
+/// `height` texels overlaps. Weights are areas in finest texels.
 template <typename Visit>
 void for_each_covered(int map_width, int map_height, int width, int height, int x, int y, const Visit& visit) {
   for (int row = 0; row < map_height; ++row) {

@@ -68,7 +68,7 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
         sum[j] += z * s.normal;
       }
     }
-    // Moments, which are stored.
+    // These are the stored moments.
     for (std::size_t j = 0; j < lobes.size(); ++j) {
       const double a = share[j] / total_weight;
       const glm::dvec3 r = share[j] > 0.0 ? sum[j] / share[j] : glm::dvec3(0.0);

@@ -28,13 +28,13 @@ struct RefinedLobe {
   double length() const { return 1.0 - spread; }
 };
 
-// Samples or lobes that the refined lobes approximate.
+// The samples or lobes that the refined lobes approximate.
 struct Shown {
   glm::dvec3 direction;
   double length, weight;
 };
 
-// A vMF with mean cosine A, without the factor 1/(2 pi): peak exp(-kappa u).
+// A vMF with mean cosine A, without the factor 1/(2 pi). Its value is its peak times exp(-kappa u).
 struct Product {
   double kappa, value;     // at the gap u
   double by_gap, by_mean;  // derivatives with respect to -u and to A
@@ -112,7 +112,7 @@ double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown
   return energy;
 }
 
-// Half of the derivative of the squares: lobes times lobes minus lobes times the approximated samples.
+// Computes half of the derivative of the squares: lobes times lobes, minus lobes times the approximated samples.
 Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   Vector gradient(4 * lobes.size(), 0.0);
   const auto add = [&](std::size_t j, std::size_t brdf, const glm::dvec3& other, double other_length, double factor) {
@@ -133,7 +133,7 @@ Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Show
   return gradient;
 }
 
-// Products of the derivatives of lobes j and k; v = 1/kappa for the sum of the spreads: V = exp(-u/v)/v.
+// Products of the derivatives of lobes j and k. V = exp(-u/v)/v, where v = 1/kappa belongs to the sum of the spreads.
 void add_block(const std::vector<RefinedLobe>& lobes, std::size_t j, std::size_t k, Matrix& matrix) {
   const RefinedLobe &one = lobes[j], &other = lobes[k];
   const double gap = j == k ? 0.0 : std::max(1.0 - glm::dot(one.mu, other.mu), 0.0);
@@ -181,7 +181,7 @@ std::array<glm::dvec4, 4> moment_rows(const RefinedLobe& lobe) {
           glm::dvec4(-lobe.amplitude * lobe.widening * lobe.mu, 0.0)};
 }
 
-// Mixes half of one lobe and half of another; the fourth parameter of the result is its spread.
+// Mixes half of one lobe and half of another. The fourth parameter of the result is its spread.
 RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   const double amplitude = 0.5 * (one.amplitude + other.amplitude);
   const glm::dvec3 sum = 0.5 * (one.amplitude * one.length() * one.mu + other.amplitude * other.length() * other.mu);
@@ -190,7 +190,8 @@ RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   return lobe;
 }
 
-// Derivatives of the parameters of mixed lobes with respect to those of the lobes, through (a r, a).
+// Returns the derivatives of the parameters of mixed lobes with respect to the parameters of the lobes, through (a r,
+// a).
 Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<RefinedLobe>& lobes) {
   Matrix by(4 * lobes.size(), Vector(4 * lobes.size(), 0.0));
   for (std::size_t j = 0; j < lobes.size(); ++j) {
@@ -235,7 +236,7 @@ void add_midway(const std::vector<RefinedLobe>& lobes, const std::vector<Refined
     }
 }
 
-// Raises the diagonal, then adds the constraints: the sum of amplitudes and the mean normal are constant.
+// Raises the diagonal. Then adds the constraints that the sum of amplitudes and the mean normal are constant.
 void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, System& system) {
   std::vector<glm::dvec4> rows;
   glm::dvec4 off(-mean, -1.0);
@@ -299,7 +300,7 @@ System system_of(const RefinedTexel& texel, const std::vector<RefinedLobe>& lobe
   return system;
 }
 
-// Sum of the highlights' relative L1 errors over some half vectors.
+// Returns the sum of the relative L1 errors of highlights over some half vectors.
 double seen_error(const std::vector<Sample>& samples, const std::vector<RefinedLobe>& lobes) {
   double total = 0.0, sum = 0.0;
   for (const Sample& sample : samples) total += sample.weight;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to the facets that a texel covers, by its definition, in double, to test kernels/one_lobe.cl. Also
+// Fits one GGX lobe to the facets that a texel covers, by definition and in double, to test kernels/one_lobe.cl. Also
 // shades one lobe, for the errors of exports.
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace multum::reference {
 
 struct OneLobe {
-  glm::dvec3 normal{0.0, 0.0, 1.0};             // unit
+  glm::dvec3 normal{0.0, 0.0, 1.0};             // unit vector
   double alpha_wide = 1.0, alpha_narrow = 1.0;  // along and across the axis
   glm::dvec3 axis{1.0, 0.0, 0.0};               // unit vector in the normal's tangent plane; its sign has no meaning
 };
@@ -22,17 +22,18 @@ struct OneLobe {
 /// A texel of a map, with the settings of its fit.
 struct OneLobeTexel {
   const NormalMap* map;
-  std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all
-  int width, height, x, y;           // size of the level, position of the texel
+  std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all texels
+  int width, height, x, y;           // size of the level and position of the texel
   bool is_anisotropic;
-  int iteration_count;  // iterations of EM; 0: the closed form
+  int iteration_count;  // iterations of EM; 0 for the closed form
   double alpha_min;
 };
 
-/// `facets`: slopes of facets of alpha 1, grid * grid of them, one per position of the grid.
+/// `facets` are grid * grid slopes of facets of alpha 1, one per position of the grid.
 OneLobe fit_one_lobe(const OneLobeTexel& texel, const std::vector<glm::vec2>& facets, int grid);
 
-/// -2 times the mean log likelihood of slopes under a t distribution of two degrees of freedom, minus a constant.
+/// Returns -2 times the mean log likelihood of slopes under a t distribution of two degrees of freedom, minus a
+/// constant.
 double t_deviance(const std::vector<glm::dvec2>& slopes, const glm::dvec2& mean, const glm::dmat2& scale);
 
 /// Slopes of the texel's samples in the frame of its mean normal.

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Part of integral f(angle of n and w) vMF(n) dn for angles of n and w between f_low and f_reach, in polar
-/// coordinates (angle a, azimuth phi) around w. Both factors are below e^-50 beyond ten of their standard deviations,
-/// so `a` covers only the rest. The azimuth is periodic, so the trapezoid rule converges exponentially once the step
-/// is below the vMF's width.
+/// Integrates f(angle of n and w) vMF(n) dn over angles of n and w between f_low and f_reach, in polar coordinates
+/// (angle a, azimuth phi) around w. Both factors are below e^-50 beyond ten of their standard deviations, so `a` covers
+/// only angles within them. The azimuth is periodic, so the trapezoid rule converges exponentially once the step is
+/// below the vMF's width.
 double convolve(const std::function<double(double)>& f, double f_low, double f_reach, double kappa, double theta,
                 int rings) {
   const double reach = 10.0 / std::sqrt(kappa);
@@ -141,7 +141,7 @@ double convolved_ggx(double alpha, double kappa, double theta) {
 }
 
 double smith_visibility(double alpha, double n_l, double n_v) {
-  // For each direction: G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
+  // For each direction, G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
   const auto lambda = [alpha](double c) {
     return 0.5 * (std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * c * c) / c - 1.0);
   };

@@ -8,7 +8,7 @@
 
 namespace multum::reference {
 
-/// 1 - A(kappa), A = coth kappa - 1/kappa, and its inverse by bisection.
+/// 1 - A(kappa), where A = coth kappa - 1/kappa, and its inverse by bisection.
 double vmf_spread(double kappa);
 double vmf_kappa(double spread);
 
@@ -20,33 +20,35 @@ double vmf_density(double kappa, double theta);
 /// (s + 1) / (2 pi) max(cos theta, 0)^s
 double blinn_phong(double s, double theta);
 
-/// The spherical convolution of any f(angle in radians), 0 below the horizon, with a vMF; `narrow`: the angle within
-/// which f changes most.
+/// Returns the spherical convolution of any f(angle in radians), which is 0 below the horizon, with a vMF. `narrow` is
+/// the angle within which f changes most.
 double convolved(const std::function<double(double)>& f, double narrow, double kappa, double theta);
-/// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature; theta is the angle between w and mu.
+/// Returns the spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature. theta is the angle between w
+/// and mu.
 double convolved_blinn_phong(double s, double kappa, double theta);
 double convolved_lambert(double kappa, double theta);
-/// convolved() for max(cos, 0), also above kappa 1e4, where the lobe is a normal distribution and quadrature would
-/// need too many points.
+/// Returns convolved() for max(cos, 0). Above kappa 1e4, quadrature would need too many points, so the lobe is a normal
+/// distribution.
 double mean_cosine(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
 
-/// A highlight over a vMF of normals. With its cosine: integral f(angle of n and h) vMF(n; mu, kappa) max(n . l, 0) dn;
-/// without it, the last factor is omitted. f is 0 or small where a vMF of concentration `facet_kappa` about h is small.
+/// Returns a highlight over a vMF of normals. With its cosine, this is the integral f(angle of n and h) vMF(n; mu,
+/// kappa) max(n . l, 0) dn. Without it, the last factor is omitted. f is 0 or small where a vMF of concentration
+/// `facet_kappa` about h is small.
 struct Highlight {
   double with_cosine, without_cosine;
 };
 Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
                     const glm::dvec3& h, const glm::dvec3& l);
 
-/// GGX and its companion in glTF and in Cook and Torrance 1982: V = G / (4 n.l n.v).
+/// GGX with the visibility of glTF and of Cook and Torrance 1982: V = G / (4 n.l n.v).
 double ggx(double alpha, double theta);
 double convolved_ggx(double alpha, double kappa, double theta);
 double smith_visibility(double alpha, double n_l, double n_v);
 double groove_visibility(double n_l, double n_v, double n_h, double v_h);
 double schlick(double f0, double v_h);
 
-/// The formula of runtime_gl/shaders/common/movmf_shading.glsl, without the amplitude. `spread` = 1 - |r|.
+/// The formula of runtime_gl/shaders/common/movmf_shading.glsl without the amplitude. `spread` is 1 - |r|.
 double product_blinn_phong(double s, double spread, double theta);
 
 }  // namespace multum::reference

@@ -134,7 +134,7 @@ void choice_without_normals(Device& device, WorstError& worst) {
           const glm::dvec3& n = row.normals[4 * texel + i];
           expected += 0.25 * glm::dvec4(n, 1.0);
         }
-        if (planar) sum.z = expected.z;  // no moment
+        if (planar) sum.z = expected.z;  // not a moment
         worst.add(glm::length(sum - expected), fmt::format("texel {}, {}", texel, planar ? "Gaussians" : "lobes"));
       }
     }

@@ -61,7 +61,7 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   }
 }
 
-// Fits one lobe to normals that cancel: r is 0, so the lobe has no direction, and kappa approaches 0.
+// Fits one lobe to normals that cancel: The lobe has r = 0 and thus no direction, and kappa approaches 0.
 void opposite_normals_of_one_lobe(Device& device, WorstError& worst) {
   const std::vector<std::vector<glm::dvec3>> sets = {
       {{1, 0, 0}, {-1, 0, 0}}, {{0, 0, 1}, {0, 0, -1}}, {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};

@@ -19,17 +19,17 @@ namespace multum {
 
 constexpr std::size_t kGroup = MULTUM_GROUP;
 
-/// Explains the bounds of EM's results.
+/// Explains the bounds of the results of EM.
 constexpr char kEmBoundReason[] =
     "adding a sample rounds by 6e-8, and EM amplifies differences by a factor of less than 10";
 
 struct EmTexel {
-  std::vector<reference::Sample> samples;  // both sides get them rounded to float
-  std::vector<reference::Lobe> lobes;      // the start, rounded too; 1..8
+  std::vector<reference::Sample> samples;  // both the kernel and the reference get them rounded to float
+  std::vector<reference::Lobe> lobes;      // the start, 1..8 lobes, also rounded to float
 };
 
 struct EmSettings {
-  bool planar = false;  // Gaussians: samples, lobes and results as in host/lab/reference/planar_em.h
+  bool planar = false;  // true for Gaussians, with samples, lobes and results as in host/lab/reference/planar_em.h
   int iterations = 5;
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
@@ -37,7 +37,7 @@ struct EmSettings {
 };
 
 struct FittedTexel {
-  std::vector<glm::dvec4> lobes;  // (r, a); for Gaussians (mean, sigma^2, a)
+  std::vector<glm::dvec4> lobes;  // (r, a), or (mean, sigma^2, a) for Gaussians
   std::vector<double> kappa;      // kappa of the last E-step
 };
 
@@ -45,13 +45,13 @@ struct FittedTexel {
 /// of work-items per texel.
 enum class EmForm { kFast, kScalar, kTeam };
 
-/// The forms that differ on a device. For edited kernels only the scalar form: one form shows the effect of a guard,
-/// and each form is another program to build.
+/// Returns the forms that differ on a device. For edited kernels, returns only the scalar form, because one form shows
+/// the effect of a guard, and each form is another program to build.
 std::vector<EmForm> em_forms(const Device& device);
-/// The lobe counts of a case to test on a device; for edited kernels only the first.
+/// Returns the lobe counts of a case to test on a device. For edited kernels, returns only the first.
 std::vector<int> em_lobe_counts(const Device& device, const std::vector<int>& counts);
 
-/// Fits up to 16 adjacent texels, all with as many samples, weights and lobes as the first.
+/// Fits up to 16 adjacent texels. All have as many samples, weights and lobes as the first one.
 std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& texels, const EmSettings& settings,
                                     EmForm form);
 
@@ -75,7 +75,7 @@ std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, 
 /// An edit of the kernel.
 SourceEdit em_edit(const std::string& text, const std::string& replacement);
 
-/// Returns a unit vector, tilted by `degrees` from +z towards an azimuth in radians.
+/// Returns a unit vector that is tilted by `degrees` from +z towards an azimuth in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);
 
 }  // namespace multum

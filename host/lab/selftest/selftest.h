@@ -15,18 +15,19 @@ namespace multum {
 
 struct NumericalCase {
   NumericalCaseText text;
-  /// Computes an error per input, and updates the worst error. Throws Error(kEnvironment) for errors of the device.
+  /// Computes the error for each input, and updates the worst error. Throws Error(kEnvironment) for errors of the
+  /// device.
   std::function<void(Device& device, WorstError& worst)> run;
-  /// Edits of the kernels' text, each of which removes one guard; each is tested separately. Empty if the guard is not
-  /// one line of a kernel: then `naive` or `mutation` is set.
+  /// Edits of the kernels' text, each of which removes one guard and is tested separately. Empty if the guard is not a
+  /// single line of a kernel. Then `naive` or `mutation` is set.
   std::vector<SourceEdit> without;
-  /// The naive formula in float on the host, on the same inputs; may be empty.
+  /// The naive formula in float, run on the host with the same inputs. May be empty.
   std::function<void(WorstError& worst)> naive = {};
   /// Edits that together add a bug to the kernels' text; may be empty.
   std::vector<SourceEdit> mutation = {};
 };
 
-/// Adds a list of cases, once. For parts of the project that not every build has. Call it before the first use of
+/// Adds a list of cases, for parts of the project that not every build has. Call it once, before the first use of
 /// numerical_cases().
 void register_numerical_cases(std::vector<NumericalCase> (*list)());
 
@@ -34,12 +35,12 @@ void register_numerical_cases(std::vector<NumericalCase> (*list)());
 const std::vector<NumericalCase>& numerical_cases();
 
 struct SelftestOptions {
-  std::string filter;           // cases whose name or kernel contains this text; empty: all
+  std::string filter;           // runs cases whose name or kernel contains this text; if empty, all cases
   bool without_guards = false;  // also run each case with its guard removed, and with its bug
 };
 
 /// Runs the cases that match the filter, in their order. Throws Error(kUsage) if none matches. Progress: one unit per
-/// case; cancels between cases.
+/// case. Cancels between cases.
 NumericalRun run_selftest(Device& device, const SelftestOptions& options, Progress* progress);
 
 /// Runs one case. Restores the kernels before it returns.

@@ -3,9 +3,9 @@
 // normals, so its exact sum is known. Tested sums are chunk sums (movmf_em_chunks.cl, movmf_em_mstep.cl), colour sums
 // (movmf_features.cl) and cell sums (movmf_binning.cl).
 //
-// A float is not sufficient: at 2^24, a sum stops growing, because the increment is less than half a unit in the last
-// place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the total. If a
-// pattern repeats, all losses have the same direction.
+// A sum in a single float is not sufficient. At 2^24, it stops growing, because the increment is less than half a
+// unit in the last place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of
+// the total. If a pattern repeats, all losses have the same direction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 struct Band {
   std::vector<float> planes[3];
   glm::dvec3 sum = glm::dvec3(0.0);
-  double mean_gap = 0.0;  // of 1 - n . mu
+  double mean_gap = 0.0;  // mean of 1 - n . mu
   glm::dvec3 mu;
 };
 
@@ -91,7 +91,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
   MultumMovmfFit fit = coarsest_fit();
   fit.map_width = map.width, fit.map_height = fit.map_window_rows = map.height;
   fit.width = map.level_width, fit.height = fit.window_rows = map.level_height;
-  // The largest number of columns that a texel can overlap.
+  // Returns the largest number of columns that a texel can overlap.
   fit.sample_columns = (map.width + map.level_width - 1) / map.level_width + 1;
   fit.sample_rows = (map.height + map.level_height - 1) / map.level_height + 1;
   fit.chunk_rows = map.chunk_rows, fit.chunk_count = map.chunk_count;
@@ -120,7 +120,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
 
 namespace {
 
-// Runs the M-step on the chunks in `partial`; returns (r, a) of each lobe.
+// Runs the M-step on the chunks in `partial`, and returns (r, a) of each lobe.
 std::vector<MultumVmfLobe> lobes_of_chunks(Device& device, const DeviceBuffer& partial, const EmTexel& texel,
                                            const MultumMovmfFit& fit) {
   const std::vector<float> start = packed_start({texel});
@@ -212,7 +212,7 @@ void many_partial_colours(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(colours[c]), sum[c], sum[c], fmt::format("channel {}", c));
 }
 
-// Returns the first lobe's share of a normal; both lobes have the same sharpness and amplitude.
+// Returns the first lobe's share of a normal. Both lobes have the same sharpness and amplitude.
 double share_of_first(const EmTexel& texel, const glm::dvec3& n) {
   const auto exponent = [&](std::size_t j) {
     return texel.lobes[j].kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[j].mu)), n);

@@ -21,7 +21,7 @@ def constraint_sets():
     for rows, columns, stiffness in ((0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.5), (1, -1, 0.5), (0, 2, 0.15), (2, 0, 0.15)):
         first = index[:SIDE - rows, max(0, -columns):SIDE - max(0, columns)]
         second = index[rows:, max(0, columns):SIDE + min(0, columns)]
-        # pairs that follow each other along the constraint's direction share a vertex, so each set has every other pair
+        # neighbouring pairs along the constraint's direction share a vertex, so each set has every other pair
         place = np.arange(first.shape[0])[:, None] // rows if rows else np.arange(first.shape[1])[None, :] // columns
         odd = np.broadcast_to(place % 2 == 1, first.shape)
         rest = spacing * np.hypot(rows, columns)

@@ -164,7 +164,7 @@ def pages_that_play(study, fields):
     for field in fields:
         try:
             page, packed = field.page_that_plays()
-        except StepFailed as failure:  # as by a multum without the decoder for browsers
+        except StepFailed as failure:  # happens with a multum that was built without the decoder for browsers
             study.paragraph(f"{DEMOS[field.name]}: left out. {str(failure).splitlines()[-1]}")
             continue
         file, title = f"{field.name}_plays.html", DEMOS[field.name]

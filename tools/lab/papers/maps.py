@@ -20,7 +20,7 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
 # The last two methods are shaded at as many points per pixel as four lobes need evaluations.
 BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
-MATERIAL_RUNS = 5  # of each material
+MATERIAL_RUNS = 5  # runs of each material
 NORMAL_MAP = re.compile(r"^(pm_\d+|.*(normal|_norm|_nm?|flakes5n))\.(png|jpg|webp)$")
 
 
@@ -63,7 +63,7 @@ def draw_every_map(study):
         for _, option, bake_options in REPRESENTATIONS:
             baked = f"{name}_{option}"
             study.bake(baked, path, *read, *bake_options, "--no-measure")
-            first = reference is None  # the reference and the baselines are the same for all
+            first = reference is None  # the reference and the baselines are the same for all representations
             compare = ("reference", *[b for _, b in BASELINES]) if first else ("toksvig",)
             view = study.view(baked, baked, "--source", path, *SCENE, compare=compare)
             if first:
@@ -125,7 +125,7 @@ def draw_every_material(study):
                                                  "320x240", "--repeat", "40", *options, compare=("toksvig",)))
                           for _ in range(MATERIAL_RUNS)]
                 row.append(f"{np.median(ratios):.2f}")
-            except StepFailed as failure:  # what this representation does not carry
+            except StepFailed as failure:  # this representation does not support the material
                 if "exit code 2" not in str(failure):
                     raise
                 row.append("refused")
@@ -161,7 +161,7 @@ def draw_same_filter(study):
 
 
 def reproduce(study):
-    study.samples = None  # as many as the reference's noise takes
+    study.samples = None  # as many as the noise of the reference requires
     study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. All pictures use "
                     "multum-view's own filter. Errors are relative L1 errors against samples of the map itself.")
     draw_every_map(study)

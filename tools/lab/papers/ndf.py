@@ -7,7 +7,7 @@ import numpy as np
 import OpenImageIO as oiio
 from study import read_picture
 
-SMOOTHING = 300.0  # kappa of the kernel that turns single normals into a density to look at
+SMOOTHING = 300.0  # kappa of the kernel that makes a visible density from single normals
 
 
 def read_normals(path):

@@ -22,7 +22,7 @@ from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
 REFERENCE = "reference"
 # A filter with elongated footprints, for every method that supports one.
 ELONGATED_FILTER = ("--taps", "8")
-ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear
+ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear filtering
 
 
 class StepFailed(Exception):
@@ -120,7 +120,7 @@ class Study:
         self.size, self.samples, self.picture_count = size, samples, 0
         self.has_made_maps = True
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
-        self.strips = []  # (file of the folder, its name in docs/evidence/images)
+        self.strips = []  # (file in the folder, its name in docs/evidence/images)
         self.markdown = []  # the same for docs/evidence/PAPERS.md: headings, paragraphs, tables and strips
         folder.mkdir(parents=True, exist_ok=True)
 
@@ -249,7 +249,7 @@ class Study:
     def section(self):
         """Returns the section of docs/evidence/PAPERS.md for this page."""
         of_maps = f"Generated maps have {self.size} x {self.size} texels. " if self.has_made_maps else ""
-        # Leaves out paragraphs that introduce a picture of the HTML page.
+        # Omits paragraphs that introduce a picture of the HTML page.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]
         return "\n\n".join([f"## {self.title}", of_maps + "Measured with " +

@@ -16,7 +16,7 @@ from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, colour
 TITLE = "Tan et al. 2005: multiresolution reflectance filtering"
 WIDTH, HEIGHT = 400, 300
 FRAME = ("--size", f"{WIDTH}x{HEIGHT}")
-FINER = 8  # pixels a side that stand for one where the filter's own share is taken out
+FINER = 8  # pixels per side that replace one pixel when the filter's own share of the error is removed
 SILVER = ("--brdf", "cook-torrance:0.07,0.95,0.93,0.88", "--diffuse", "0.5", "--specular", "0.2")
 GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--specular", "0.25")
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)

@@ -116,7 +116,7 @@ def limited_curvature(study):
     study.strip("limited", [shown[0], shown[1], shown[4], shown[2], shown[5]], zoom=5)
 
 
-HILL_SIDE, OCTAVES = 257, 7  # the finest octave has a wave of 6 points
+HILL_SIDE, OCTAVES = 257, 7  # in the finest octave, a wave is 6 points long
 
 
 def hills(study):

@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 GAMMA = 2.2
-WHOLE = 1 - 1 / 512  # coverage of a pixel that one object has to itself
+WHOLE = 1 - 1 / 512  # coverage of a pixel that only one object covers
 
 
 def read_channels(path, names):

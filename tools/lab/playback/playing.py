@@ -21,10 +21,10 @@ from fields import mse
 from measured_run import run, succeed
 from video_seeks import VideoSeeks
 
-ROUNDS = 5  # of both programs in turns
+ROUNDS = 5  # rounds in which both programs run alternately
 SEED = 26
 MEMORIES = ("256M", "128M", "64M", "48M", "40M", "32M")
-SIDES = (1, 2, 4)  # sub-pixels along a pixel
+SIDES = (1, 2, 4)  # numbers of sub-pixels along a side of a pixel
 BLOCKED = {"blocks of 4": ("--block", "4"), "blocks of 4, staggered": ("--block", "4", "--stagger", "yes")}
 BROWSERS = ("chromium-headless-shell", "chromium")
 ROOT = pathlib.Path(__file__).resolve().parents[3]

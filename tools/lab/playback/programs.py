@@ -11,7 +11,7 @@ from fields import eight_bit, read_channels
 from measured_run import run, succeed
 
 USAGE = 2  # the exit code of a wrong command line
-SAMPLES_A_RUN = 64  # drawn by one run of multum-view
+SAMPLES_A_RUN = 64  # number of samples that one run of multum-view draws
 
 
 class Programs:

@@ -54,7 +54,7 @@ def x265(key_distance):
 AVIF = Codec("AVIF, each frame by itself", "obu", 1, (30, 40, 48, 54, 58, 61, 63),
              ["-c:v", "libaom-av1", "-cpu-used", "4", "-b:v", "0", "-usage", "allintra", "-g", "0"], 2)
 CODECS = (av1(64), av1(8), x265(64), x265(8), AVIF)
-LEADING = CODECS[0].name  # the one that multum has to beat
+LEADING = CODECS[0].name  # the codec that multum has to beat
 
 
 def require_ffmpeg():
@@ -94,7 +94,7 @@ def best_within(codec, size_max, frames):
     """Returns bytes and frames of the best quality within this many bytes, or of the smallest stream if none fits."""
     low, high = 1, 63
     best = coded(codec, high, frames)
-    while low < high:  # sizes fall as the number of the quality rises
+    while low < high:  # sizes decrease as the quality number increases
         middle = (low + high) // 2
         found = coded(codec, middle, frames)
         if found[0] <= size_max:

@@ -13,7 +13,7 @@ import time
 
 import video_codecs
 
-SETTINGS_BYTES, DATA_BYTES, PICTURE_BYTES = 4096, 512, 4096  # at least what the structures take
+SETTINGS_BYTES, DATA_BYTES, PICTURE_BYTES = 4096, 512, 4096  # sizes that are large enough for the structures
 AGAIN = -11  # -EAGAIN
 
 

@@ -127,7 +127,7 @@ std::string level_table(const Errors& errors, int level_count) {
   return text;
 }
 
-// Returns one line of the summary, with levels 3 / 5 / 7.
+// Returns one line of the summary, with the errors of levels 3 / 5 / 7.
 std::string summary_line(const std::string& name, const Errors& errors) {
   std::string text = "| " + name + " |";
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
@@ -276,16 +276,16 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
          rows;
 }
 
-// Table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher by
-// more than 0.05 points.
+// Makes a table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher
+// by more than 0.05 points.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out: its texels are single normals,
-// so methods that store them have no error.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is not included, because its texels are
+// single normals, so methods that store them have no error.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
 // A row of the table by number of channels. Methods with the same number of channels are next to each other.

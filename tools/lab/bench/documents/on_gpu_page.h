@@ -7,7 +7,7 @@
 
 namespace multum::bench {
 
-/// Returns Markdown. Leaves out sections of steps that did not run.
+/// Returns Markdown. Omits sections of steps that did not run.
 std::string page_of_run(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads the JSON file of a benchmark: program and machine first, then the figures. The sources of
-// docs/evidence/BENCHMARKS.md are such files.
+// Writes and reads the JSON file of a benchmark: program and machine first, then the figures.
+// docs/evidence/BENCHMARKS.md is made from such files.
 #pragma once
 
 #include <nlohmann/json.hpp>
