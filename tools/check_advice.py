@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds shared code whose messages name an option literally: a command without that option would print them too.
+"""Finds shared code whose messages name an option literally, because a command without that option would also print
+them.
 
 advice() and option_text() of host/foundation/base/messages/option_words.h name
 options of the command that runs.
 
     tools/check_advice.py [--root DIR]     # exit code 1, and a line for each message
 
-Refusals of a setting's value (ErrorCode::kUsage) may name what was given. Options of other programs, and options that a
-file was made with, come after the program's name: "multum bake --ndf vmf", "baked without --roughness".
+Refusals of a setting's value (ErrorCode::kUsage) may name the value that was given. Options of other programs, and
+options with which a file was made, follow the program's name: "multum bake --ndf vmf", "baked without --roughness".
 """
 import argparse
 import pathlib

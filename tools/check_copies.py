@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds figures of generated pages that other pages repeat: the copy is wrong when the page is generated again.
+"""Finds figures of generated pages that other pages repeat, because the copy is wrong when the page is generated again.
 
     tools/check_copies.py [--root DIR]     # exit code 1, and a line for each copy
 
 A copy is a table row, or a triple "10.5 / 7.2 / 7.1", whose numbers are neighbours in one line of a generated page. It
-has at least three numbers, none of them whole; numbers are compared with the decimals that the copy has. Link to the
-page instead, or put a mark into the page: tools/lab/readme_figures fills in figures between marks.
+has at least three numbers, none of which is whole. Numbers are compared with the decimals that the copy has. Link to
+the page instead, or put a mark into the page: tools/lab/readme_figures fills in figures between marks.
 """
 import argparse
 import pathlib
@@ -26,7 +26,7 @@ HISTORY = ("docs/contributing/CHANGELOG.md",)
 
 
 def runs_of(line):
-    """Returns the neighbouring numbers of a line: of its table row, or of each triple."""
+    """Returns the neighbouring numbers in a line, from its table row or from each triple."""
     if line.startswith("|"):
         return [NUMBER.findall(line)]
     return [NUMBER.findall(found) for found in TRIPLE.findall(line)]

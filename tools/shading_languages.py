@@ -53,7 +53,7 @@ def renamed(names):
 
 
 def closing(code, opening):
-    """The place of the parenthesis that closes the one at `opening`."""
+    """Returns the place of the parenthesis that closes the one at `opening`."""
     depth = 0
     for place in range(opening, len(code)):
         depth += {"(": 1, ")": -1}.get(code[place], 0)
@@ -92,7 +92,7 @@ def without_choices(code):
 
 
 def with_samplers(code, declared, lookup):
-    """Gives each texture a sampler of its own: in parameters, in calls, and in texture reads."""
+    """Gives each texture a sampler of its own, in parameters, in calls, and in texture reads."""
     textures = set(re.findall(r"\bsampler2D (\w+)", code))
     for name in textures:
         pattern = re.compile(rf"\btextureLod\({name}, ")

@@ -6,9 +6,9 @@ lobe.
     tools/lab/export_document.py --maps ../shared/data/normal -o docs/evidence/EXPORT.md [--bin DIR] [--state FILE]
         [--cells N] [--measure-nothing]
 
-Exports every normal map of the folder (by its name) at three base roughnesses, isotropic and anisotropic. Maps in the
-file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison with
-Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
+Exports every file of the folder that is a normal map by its name, at three base roughnesses, isotropic and anisotropic.
+Maps in the file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison
+with Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
 """
 import argparse
 import json

@@ -4,11 +4,12 @@
 
     tools/lab/texel_picture.py FILE.ndf.exr -o IMAGE [--level L] [--exponent S]
 
-FILE is a bake of four lobes whose sides are powers of two. Each panel shows all half vectors from above: the middle of
-the disc is the surface's normal, and brightness is the strength of the highlight. From left to right: the reference,
-which averages the highlight over all normals of the texel; the averaged normal; one lobe, which has the mean vector of
-all normals; the stored lobes. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe", has the formula of the
-lobes. The texel has the median error of all texels of its level, so it is neither the best nor the worst.
+FILE is a bake of four lobes whose sides are powers of two. Each panel shows all half vectors from above. The middle of
+the disc is the surface's normal, and brightness is the strength of the highlight. From left to right, the panels show
+the reference, which averages the highlight over all normals of the texel, then the averaged normal, then one lobe,
+which has the mean vector of all normals, and then the stored lobes. docs/contributing/ALGORITHMS.md, "Shading a
+filtered lobe", has the formula of the lobes. The texel has the median error of all texels of its level, so it is
+neither the best nor the worst.
 """
 import argparse
 import sys
