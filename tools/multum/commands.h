@@ -74,7 +74,8 @@ using CheckWords = void (*)(const std::vector<std::string>& words);
 void register_jobs();
 /// serve, jobs, openjd. Refuses old names of commands.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
-/// Asks the service at `server` (empty: the default address) whether it works. Returns no findings without the farm.
+/// Asks the service at `server`, or at the default address if `server` is empty, whether it works. Returns no findings
+/// without the farm.
 DoctorFindings service_findings(const std::string& server);
 /// Returns the schemas of docs/reference/openapi.json that are made from tables of the program, by name
 /// (host/farm/service/http/job_schemas.h).

@@ -20,7 +20,7 @@ inline constexpr char kCommonGroup[] = "Common";
 /// Adds --json to a command that has no common options.
 CLI::Option* add_json_option(CLI::App& command, bool& json);
 
-/// True if the command prints human-readable text: neither --quiet nor --json was given.
+/// True if the command prints human-readable text, because neither --quiet nor --json was given.
 inline bool prints_text(const CommonOptions& options) { return !options.quiet && !options.json; }
 
 /// Prints the document with indentation and escaped control characters.

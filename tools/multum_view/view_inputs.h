@@ -19,7 +19,7 @@ gl::MeshData to_mesh_data(const TriangleMesh& mesh);
 /// planes. Prints the camera and the bounds of the mesh, which comes from `file`.
 void frame_mesh(const TriangleMesh& mesh, const std::string& file, const OutputOptions& output, ViewScenes& scenes);
 
-/// Returns whether the file lacks levels, which then come from the source.
+/// Returns whether levels are missing in the file. These levels then come from the source.
 bool needs_source(const MapOptions& options, const BakedHeader& baked);
 
 /// Returns the map of the bake, read with the settings of the bake, or level 0 of the file if --source is not given.

@@ -144,7 +144,7 @@ class AccuracyMeter {
 /// Measures files of lobes.
 class MovmfMeter : public AccuracyMeter {
  public:
-  /// Takes the level sizes, the lobe count and the first level from `header`; the texels of `header` are not needed.
+  /// Takes the level sizes, the lobe count and the first level from `header`. The texels of `header` are not needed.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
       : AccuracyMeter({header.width(), header.height()}, header.header, settings),
         model_(header, has_colours, texels()) {}
@@ -174,7 +174,7 @@ class MomentMeter : public AccuracyMeter {
 /// Measures files of spherical harmonics.
 class ShMeter : public AccuracyMeter {
  public:
-  /// Takes the level sizes, the order and the first level from `header`; the texels of `header` are not needed.
+  /// Takes the level sizes, the order and the first level from `header`. The texels of `header` are not needed.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
       : AccuracyMeter({header.header.width, header.header.height}, header.header, settings), model_(header, texels()) {}
 

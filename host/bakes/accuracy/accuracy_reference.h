@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the reference that bakes are measured against: averages over all finest normals that a texel covers, in one
-// pass over the map by bands of rows. Memory: some rows per light or half vector, and a value per measured texel.
+// pass over the map by bands of rows. Needs memory for some rows per light or half vector, and for a value per
+// measured texel.
 //
 // Threads share the directions of a band. Each direction adds up rows in their order. The result therefore depends
 // neither on the threads nor on the height of the bands.

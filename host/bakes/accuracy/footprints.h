@@ -42,7 +42,7 @@ struct FootprintSettings {
 int footprint_octave_count(int map_width, int map_height);
 
 /// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own
-/// cell; the cells have equal areas and are about square. Each u and each log2 e is random within its own interval. The
+/// cell. The cells have equal areas and are about square. Each u and each log2 e is random within its own interval. The
 /// intervals have equal lengths and are in random order. The elongation e is from 1 to settings.elongation_max.
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings);
 

@@ -70,7 +70,7 @@ void make_reference(MovmfSettings& settings);
 /// Fits every texel independently, without alignment, as in figures 5 and 6 of Tan et al. 2005. For comparison only.
 void make_unaligned(MovmfSettings& settings);
 
-/// Throws Error(kUsage) naming the setting, its value and its range.
+/// Throws Error(kUsage) that names the setting, its value and its range.
 void validate(const MovmfSettings& settings);
 
 /// Returns every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this

@@ -60,10 +60,10 @@ constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
 constexpr float kAlignmentFactorFewNormals = 1.2f;
 /// Texels that cover fewer normals are not refined (movmf_refine.cl). The lobes of such texels already follow their
-/// normals. Refining reduces errors at texel centres, but increases them between centres. If these texels were refined
-/// on the four-quarter map of 256 x 256 texels with s = 100, errors at midpoints would rise from 10.8 to 11.4 % at
-/// level 1, and from 12.5 to 12.6 % at level 2. Texels of level 3 cover 64 normals, or about 64 if sides are not powers
-/// of two.
+/// normals. Refining reduces errors at texel centres, but increases them between centres. For example, on the
+/// four-quarter map of 256 x 256 texels with s = 100, refining these texels would raise errors at midpoints from 10.8
+/// to 11.4 % at level 1, and from 12.5 to 12.6 % at level 2. Texels of level 3 cover 64 normals, or about 64 if sides
+/// are not powers of two.
 constexpr float kRefinedNormalsMin = 32.0f;
 /// Approximate number of samples per EM chunk.
 constexpr int kSamplesPerChunk = 4096;
@@ -73,9 +73,9 @@ constexpr int kSamplesPerChunk = 4096;
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
 /// Number of facets that a shortened normal represents when EM divides it among lobes (movmf_em.clh). The number 4 gave
-/// the lowest errors at level 2 of the four-quarter map of 256 x 256 texels. With a constant, a smooth and a noisy
-/// roughness, errors are 10.7, 13.5 and 38.8 % with 1 facet, 5.8, 9.1 and 26.0 % with 4, and 6.3, 9.4 and 29.6 % with
-/// 16.
+/// the lowest errors at level 2 of the four-quarter map of 256 x 256 texels. Errors with a constant, a smooth and a
+/// noisy roughness are 5.8, 9.1 and 26.0 %. With 1 facet, they are 10.7, 13.5 and 38.8 %, and with 16 facets 6.3, 9.4
+/// and 29.6 %.
 constexpr float kCopiesShortened = 4.0f;
 /// Adapts the schedule to normals that are shortened by a BRDF's width.
 void make_shortened(MipSchedule& schedule);

@@ -31,7 +31,7 @@ inline std::uint64_t movmf_bake_units(int width, int height, int first_level = 0
 /// Passes finished rows to the sink of `rows` as floats, before they are rounded for storage (quantize_movmf). `starts`
 /// is shared by the bakes of this map. If it is null, this bake searches for its own start. Counts and times go to
 /// `report`. Throws Error(kUsage) for settings out of range and for too little memory, Error(kEnvironment) for errors
-/// of the disk or the device, Cancelled.
+/// of the disk or the device, and Cancelled.
 void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, RowOrigin& rows,
                 StartMemory* starts, FitReport& report, Progress* progress);
 

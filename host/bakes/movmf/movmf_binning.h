@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals and features of coarse texels for all levels in two passes over the map: the first pass finds the
-// axes of the grids, the second fills the cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned
-// normals").
+// Bins the normals and features of coarse texels for all levels in two passes over the map. The first pass finds the
+// axes of the grids, and the second pass fills the cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md,
+// "Binned normals").
 #pragma once
 
 #include <map>

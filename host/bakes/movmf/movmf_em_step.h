@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs one step of a fit on the device: fits some mutually independent texels of one level from their starts to their
+// Runs one step of a fit on the device. Fits some mutually independent texels of one level, from their starts to their
 // lobes (Han et al. 2007, section 7). movmf_level_fit.h chooses the texels and their order.
 #pragma once
 

@@ -133,7 +133,7 @@ class GatheredRows : public RowOrigin {
   /// share that is missing or belongs to another bake.
   GatheredRows(MovmfSink* sink, const std::string& output, int count, const std::string& key);
 
-  /// Throws Error(kEnvironment) if the shares lack rows of the level.
+  /// Throws Error(kEnvironment) if rows of the level are missing in the shares.
   LevelTask begin(const LevelShape& level) override;
   void end() override {}
 

@@ -32,7 +32,7 @@ class RowRecords {
   /// Appends rows to a file, in records of a few megabytes, because reading a row loads its whole record. Parts that
   /// are missing may be null. Throws Error(kEnvironment).
   void add(RecordFile& file, const RowBlock& rows, const std::array<const void*, 3>& parts);
-  /// Adds an existing record without reading its rows. `remedy` is advice for damaged rows, or null; it must outlive
+  /// Adds an existing record without reading its rows. `remedy` is advice for damaged rows, or null. It must outlive
   /// the object. Returns false if the record holds no rows.
   bool take(const RecordFile& file, const RecordFile::Place& place, const std::string* remedy = nullptr);
 

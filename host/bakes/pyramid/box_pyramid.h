@@ -56,7 +56,7 @@ class BoxPyramid {
   std::uint64_t buffer_bytes() const;
   MultumBoxBand band(int first_row, int row_count) const;
   const DeviceBuffer& nodes() const { return nodes_; }
-  /// Averages a band. Bands come in order from the top; each has band_rows() rows, except the last.
+  /// Averages a band. Bands come in order from the top. Each band has band_rows() rows, except the last.
   void average(const MultumBoxBand& band);
   /// Calls `consume` for every level with finished rows, the finest level first.
   void hand_over(const MultumBoxBand& band, const std::function<void(const BoxRows&)>& consume);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a map's normals and the linear features of its material, which are averaged or divided among lobes together
-// with the normals: colours, then weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake treats these
+// Describes a map's normals and the linear features of its material: colours, then weights of basis BRDFs (Han et al.
+// 2007, section 7.3). Features are averaged or divided among lobes together with the normals. Every bake treats these
 // features as triples of planes, whatever they mean.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and their machine).
-// The model compares ways to bake a map; it does not predict exact times.
+// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and their machine). The
+// model compares ways to bake a map, but does not predict exact times.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects a scene's demands on one of its maps, whatever the map contains.
+// Collects the demands of a scene on one of its maps, for any contents of the map.
 #pragma once
 
 #include <algorithm>

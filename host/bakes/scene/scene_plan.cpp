@@ -58,7 +58,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   plan.stated_difference = as_default && !plan.is_constant
                                ? 0.0
                                : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.estimate_margin;
-  // Settings from trials meet the target; their error may be higher than that of the default bake.
+  // Settings from trials meet the target, but their error may be higher than that of the default bake.
   if (plan.trials)
     plan.stated_difference = std::max(plan.chosen.error.worst(), *budget.target_error) +
                              plan.default_bake.error.worst() + budget.estimate_margin;

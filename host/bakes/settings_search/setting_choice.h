@@ -88,8 +88,7 @@ BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
 /// Returns the cheapest candidate, from index `first` on, that meets `error` on the mosaic, or nullopt. The candidate's
 /// error plus interval, times `correction`, must be at most `error`. Skips a candidate if the error of its quicker
-/// variant is too high for it to succeed: a longer fit of the same number of lobes reduces the error by at most a
-/// quarter.
+/// variant is too high, because a longer fit of the same number of lobes reduces the error by at most a quarter.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

@@ -374,7 +374,7 @@ class Sweep {
   std::map<std::string, std::size_t> references_;  // [BRDF]: index of the file
 };
 
-// A cost that fronts use; the noise is 0 if the cost is exact.
+// A cost that fronts use. The noise is 0 if the cost is exact.
 struct FrontCost {
   bool TradeoffRow::*flag;
   std::function<double(const TradeoffRow&)> of;  // < 0 if not known

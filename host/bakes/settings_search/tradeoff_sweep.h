@@ -54,7 +54,8 @@ struct TradeoffRow {
   std::uint64_t gpu_bytes = 0;           // size on the GPU, including the normal map
   std::string picture;                   // PNG bytes; empty if not drawn
   bool is_measured = true;               // false if the row uses another BRDF or a formula that only the renderer has
-  bool has_error = false;                // true if `reached` is known; it is for the row's own BRDF unless is_measured
+  bool has_error = false;                // true if `reached` is known; if not is_measured, `reached` is for the row's
+                                         // own BRDF
   bool fits = true;                      // true if the row meets the budgets of TradeoffJob
   std::vector<std::string> warnings;     // warnings of the bake, without the map's name
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // true if no other row is better

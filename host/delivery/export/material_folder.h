@@ -2,9 +2,9 @@
 // Writes an exported material. Image formats give one image per level and texture: FOLDER/normal_00.png, orm_00.png
 // and, with anisotropy, anisotropy_00.png. KTX2 and DDS give one file per texture with all its levels:
 // FOLDER/normal.ktx2. orm follows glTF: occlusion is in red, roughness in green, and metalness in blue. Without maps,
-// occlusion is 1 and metalness 0. mask replaces orm for Unity: metalness is in red, occlusion in green, 1 in blue
-// (HDRP's detail mask), and smoothness in alpha. anisotropy follows KHR_materials_anisotropy: the direction is in red
-// and green, the strength in blue. The alpha channel of other textures is 1.
+// occlusion is 1 and metalness 0. For Unity, orm is replaced by mask: metalness is in red, occlusion in green, 1 in
+// blue (HDRP's detail mask), and smoothness in alpha. anisotropy follows KHR_materials_anisotropy: the direction is in
+// red and green, the strength in blue. The alpha channel of other textures is 1.
 #pragma once
 
 #include <memory>

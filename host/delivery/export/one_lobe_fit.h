@@ -21,8 +21,8 @@ struct OneLobeSettings {
   bool is_fast = false;         // use only the closed form
   double base_roughness = 0.5;  // perceptual, 0..1; used if there is no roughness map
   // Number of EM steps, 1..100. On five real maps at base roughness 0.1 and 0.25, the mean error of levels 2, 4 and 6
-  // differs from the error with 8 steps by at most 0.5 % of it. In the darkest cells of re_floor03_n at roughness 0.1,
-  // it differs by 2 %.
+  // is within 0.5 % of the error with 8 steps. In the darkest cells of re_floor03_n at roughness 0.1, it differs by 2
+  // %.
   int iteration_count = 5;
 };
 

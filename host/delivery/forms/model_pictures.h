@@ -59,8 +59,8 @@ class ModelPictures {
   ModelPictures(const ModelPictures&) = delete;
   ModelPictures& operator=(const ModelPictures&) = delete;
 
-  /// Returns pixels of which the surface covers at least half, for every picture that has such pixels. At most
-  /// `pixel_max` pixels per picture are chosen, spread evenly.
+  /// For every picture, returns pixels of which the surface covers at least half. Pictures without such pixels are
+  /// omitted. At most `pixel_max` pixels per picture are chosen, spread evenly.
   std::vector<ModelPicture> of(const PicturedSurface& surface, std::size_t pixel_max) const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides which materials of a glTF file get fitted textures, and from which inputs (glTF 2.0, section 3.9; the rules
 // are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are fitted together if
-// their texels cover the same places of the surface. Other materials stay unchanged, with a reason.
+// their texels cover the same places of the surface. Other materials stay unchanged, and the reason is stated.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests texture inference: the products and sums of conjugate gradient, the interpolation of the pyramid, and whole
 // solutions. The solved systems are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000,
-// section 3.2; the rows are in docs/contributing/ALGORITHMS.md).
+// section 3.2; docs/contributing/ALGORITHMS.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Makes rows of 0 to 21 entries; the first and the last row are empty. Weights are denormal, or have a magnitude from
+// Makes rows of 0 to 21 entries. The first and the last row are empty. Weights are denormal, or have a magnitude from
 // 1e-6 to 1.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);
@@ -275,7 +275,7 @@ void denormal_diagonals(Device& device, WorstError& worst) {
                        fmt::format("eps {}", weight), worst);
 }
 
-// Tests a picture of one colour that shows only the left half of a texture. The right half must get this colour too.
+// Tests a picture of one colour that shows only the left half of a texture. The right half must also get this colour.
 void unseen_texels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 16, WrapMode::kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();

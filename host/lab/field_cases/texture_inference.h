@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the objective of texture inference in double for one colour.
+// Computes the objective of texture inference in double precision for one colour.
 // host/fields/inference/solver/texture_inference.h defines the objective.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes Charlie sheen in double, in the simplest form: the distribution of Estevez and Kulla 2017, whose r is alpha
-// here, with V of Ashikhmin and Premoze 2007.
+// Computes Charlie sheen in double precision, in the simplest form: the distribution of Estevez and Kulla 2017, whose r
+// is alpha here, with V of Ashikhmin and Premoze 2007.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assigns each of a texel's four normals to a lobe, in double and by trying every assignment. This is the reference of
-// kernels/movmf_choose.cl, which defines the cost. No bake uses it.
+// Assigns each of a texel's four normals to a lobe, in double precision and by trying every assignment. This is the
+// reference of kernels/movmf_choose.cl, which defines the cost. No bake uses it.
 #pragma once
 
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs spherical EM in double, in the simplest form, as the reference of kernels/movmf_em_*.cl. Follows Han et al.
-// 2007, section 7, Algorithm 1, equations 15-16, with the corrections in docs/contributing/ALGORITHMS.md. No bake uses
-// it.
+// Runs spherical EM in double precision, in the simplest form, as the reference of kernels/movmf_em_*.cl. Follows Han
+// et al. 2007, section 7, Algorithm 1, equations 15-16, with the corrections in docs/contributing/ALGORITHMS.md. No
+// bake uses it.
 #pragma once
 
 #include <vector>

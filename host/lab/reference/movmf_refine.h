@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines lobes in double, in the simplest form, as the reference of kernels/movmf_refine.cl. The kernel defines the
-// minimised function and the method. No bake uses this code.
+// Refines lobes in double precision, in the simplest form, as the reference of kernels/movmf_refine.cl. The kernel
+// defines the minimised function and the method. No bake uses this code.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the reference and the model of a pixel, in double and by definition, to test host/bakes/accuracy. The
-// reference averages values at dense points over the pixel's rectangle. The model filters the values with trilinear
+// Computes the reference and the model of a pixel, in double precision and by definition, to test host/bakes/accuracy.
+// The reference averages values at dense points over the pixel's rectangle. The model filters the values with trilinear
 // taps, as the equations of OpenGL define. This code is slow.
 #pragma once
 

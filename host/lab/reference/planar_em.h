@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits mixtures of planar Gaussians in double, in the simplest form, as the reference of the EM kernels built with
+// Fits mixtures of planar Gaussians in double precision, in the simplest form, as the reference of the EM kernels built
+// with
 // MULTUM_PLANAR and of their shading. Follows Tan et al. 2005, sections 3 and 4.1, with the corrections in
 // docs/contributing/ALGORITHMS.md. No bake uses it.
 //
@@ -16,8 +17,8 @@
 
 namespace multum::reference {
 
-/// Returns the sample of a finest normal. If a BRDF's width has shortened the normal to c n, scatter is 2 v, where v =
-/// (1 - c) / (2 - c) (1 - |p|^2 / 2), but at most 1 - |p|^2.
+/// Returns the sample of a finest normal. If a BRDF's width has shortened the normal to c n, scatter is 2 v, but at
+/// most 1 - |p|^2. Here v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
 glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
 
 /// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.

@@ -179,7 +179,7 @@ std::vector<glm::vec4> directions_around(double degrees) {
   return directions;
 }
 
-// Compares the shading with the formula in double, relative to the peak of an upright lobe.
+// Compares the shading with the formula in double precision, relative to the peak of an upright lobe.
 void add_density(Device& device, const glm::vec4& lobe, double s, const std::vector<glm::vec4>& directions,
                  const std::string& input, WorstError& worst) {
   const glm::dvec4 wide(lobe);

@@ -34,7 +34,7 @@ constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
 constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
-// Contains 64 rows of normals around a tilt, and their sum in double.
+// Contains 64 rows of normals around a tilt, and their sum in double precision.
 struct Band {
   std::vector<float> planes[3];
   glm::dvec3 sum = glm::dvec3(0.0);

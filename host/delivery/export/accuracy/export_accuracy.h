@@ -57,7 +57,7 @@ struct ExportAccuracy {
 
   /// Prints a table with one rule per line.
   std::string to_text() const;
-  /// Returns a JSON array of levels, and one of cells.
+  /// Returns a JSON array of levels and a JSON array of cells.
   std::string to_json() const;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the contents of the channels of a lobe's layers (docs/reference/lobe_textures.md, "Lobes for GPUs"). A lobe
-// has x, y, z = a r and the amplitude a. Its channels are x, y, s = a - z and a; each channel stores only the part that
-// the others do not predict:
+// has x, y, z = a r and the amplitude a. Its channels are x, y, s = a - z and a. Each channel stores only the part
+// that the others do not predict:
 //
 //     x' = x - m_x a,   y' = y - m_y a,   s' = s - (c_x x + c_y y + c_a a),   a
 //

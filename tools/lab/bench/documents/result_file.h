@@ -21,7 +21,7 @@ nlohmann::ordered_json read_result(const std::string& path);
 /// 12 (bookworm)".
 std::string conditions_text(const nlohmann::ordered_json& result);
 
-/// Throws exceptions of nlohmann if a result lacks a key.
+/// Throws exceptions of nlohmann if a key is missing in a result.
 ResultView view_of(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench
