@@ -399,7 +399,7 @@ class Simulation {
     bool operator>(const Event& other) const { return at > other.at; }
   };
   const std::string kOwner = slurm_owner("simulated");
-  // A part has an end, a status and the output of its task; move_log() opens four files of a running part.
+  // A part has an end, a status and the output of its task. move_log() opens four files of a running part.
   static constexpr double kFilesAPart = 3.0, kFilesOfLog = 4.0;
 
   const Options& o_;

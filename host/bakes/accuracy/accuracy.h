@@ -58,8 +58,8 @@ constexpr double kIntervalUnstated = -1.0;
 /// The finest level whose differences are averages (host/bakes/scene/scene_difference.h).
 constexpr int kSummaryLevel = 2;
 
-/// Difference between two files, summed over texel centres, midpoints and points half-way to the next level: sum of |a
-/// - b| and sum of b.
+/// Difference between two files: the sum of |a - b| and the sum of b, over texel centres, midpoints and points
+/// half-way to the next level.
 struct LevelDifference {
   int level;
   AccuracyBrdf brdf;  // the BRDF only, without a shading method or colours

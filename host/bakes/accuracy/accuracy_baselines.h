@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the alternatives to a bake by the same method (host/bakes/accuracy/accuracy.h, texel centres): averaged
-// normals, Toksvig, LEAN moments. Uses convolved Blinn-Phong without n . l, in double precision.
+// Measures the alternatives to a bake: averaged normals, Toksvig, and LEAN moments. The method is that of
+// host/bakes/accuracy/accuracy.h at texel centres. Uses convolved Blinn-Phong without n . l, in double precision.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h: values at points
-// of the pyramid, filtered and shaded as the runtime does. If a representation has several shading methods, each is
-// measured.
+// Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h. Computes values
+// at points of the pyramid, filtered and shaded as the runtime does. If a representation has several shading methods,
+// each is measured.
 #pragma once
 
 #include <memory>
@@ -48,7 +48,7 @@ class AccuracyModel {
   /// must outlive the model.
   int first_level() const { return kept_.first_level(); }
   void set_map_averages(const TexelSums* averages) { map_averages_ = averages; }
-  /// Names of the shading methods; one empty name if there is only one method.
+  /// Returns the names of the shading methods. If there is only one method, its name is empty.
   virtual const std::vector<std::string>& shadings() const = 0;
   /// Call it after all texels were added. The model must outlive the result.
   virtual std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the points where a pyramid's error is measured: texels spread evenly at random over each level, and points
-// around them.
+// Chooses the points where a pyramid's error is measured. They are texels, spread evenly at random over each level, and
+// points around them.
 #pragma once
 
 #include <array>
@@ -44,7 +44,7 @@ constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {
   int first_level = 0;  // finer levels have no samples
-  // Approximate number of samples; 0 means every texel. Levels with at most kWholeLevelFactor times as many texels use
+  // Approximate number of samples. 0 means every texel. Levels with at most kWholeLevelFactor times as many texels use
   // all of them.
   std::int64_t samples_per_level = 2048;
   std::uint64_t seed = 1;
@@ -60,7 +60,7 @@ class AccuracyPoints {
   std::size_t chosen_count() const { return chosen_count_; }
   /// All texels that any point reads.
   const TexelSelection& texels() const { return texels_; }
-  /// Appends the points of a sample; samples at borders have fewer points.
+  /// Appends the points of a sample. Samples at borders have fewer points.
   void append_points(std::size_t sample, std::vector<SamplePoint>& points) const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the reference that bakes are measured against: averages over all finest normals that a texel covers, in one
-// pass over the map by bands of rows. Needs memory for some rows per light or half vector, and for a value per
-// measured texel.
+// Computes the reference with which bakes are compared. It consists of averages over all finest normals that a texel
+// covers, and takes one pass over the map by bands of rows. Needs memory for some rows per light or half vector, and
+// for a value per measured texel.
 //
 // Threads share the directions of a band. Each direction adds up rows in their order. The result therefore depends
 // neither on the threads nor on the height of the bands.
@@ -29,7 +29,7 @@ struct FinestPlanes {
   const PlaneStore* albedo;
 };
 
-/// One row of the planes; colours may be null.
+/// One row of the planes. Colours may be null.
 struct FinestRow {
   int y;
   std::array<const float*, 3> normals;
@@ -40,7 +40,7 @@ struct FinestRow {
 class RowSums {
  public:
   virtual ~RowSums() = default;
-  /// Adds a row; call it once per row, from the top.
+  /// Adds a row. Call it once per row, from the top.
   virtual void add_row(const FinestRow& row) = 0;
   /// Called after the last row.
   virtual void finish() {}
@@ -77,7 +77,7 @@ struct BrdfValues {
 BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
 /// f at the half vector `omega` for each highlight, divided by highlight_scale().
 BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
-/// (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor; 1 for other BRDFs.
+/// Returns (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor. Returns 1 for other BRDFs.
 double highlight_scale(const Highlight& highlight);
 /// One value per shortened normal (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
@@ -138,7 +138,7 @@ struct StreamSettings {
   int rows_per_band = 0;  // 0 chooses bands of about 3 MB of normals
 };
 
-/// Adds every row to all of `sums` and finishes them. Progress counts no units; cancels between bands.
+/// Adds every row to all of `sums` and finishes them. Progress counts no units, but can cancel between bands.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 

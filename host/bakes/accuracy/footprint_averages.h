@@ -33,7 +33,7 @@ class FootprintAverages {
   bool needs_row(int y) const {
     return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];
   }
-  /// Adds row y of the plane, values[0..map_width()), to sums[footprint * stride]; values are multiplied by `factors`
+  /// Adds row y of the plane, values[0..map_width()), to sums[footprint * stride]. Values are multiplied by `factors`
   /// unless it is null. Sums start at 0 and become averages after the last row. `scratch` holds scratch_length()
   /// doubles.
   void add_row(int y, const double* values, const double* factors, double* scratch, double* sums,

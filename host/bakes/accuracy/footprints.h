@@ -38,7 +38,7 @@ struct FootprintSettings {
   double elongation_max = 4.0;  // longer side / shorter side of the longest footprint
 };
 
-/// Number of octaves of a map: from 1 texel to the longer side, at least one.
+/// Number of octaves of a map, from 1 texel to the longer side. There is at least one.
 int footprint_octave_count(int map_width, int map_height);
 
 /// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a BRDF whose highlights are measured: f of n . h only, without factors that depend on other angles
-// (Fresnel, shadowing). The reference and the shading kernels evaluate the same f. A coloured f is replaced by the
-// mean of its channels.
+// Describes a BRDF whose highlights are measured. Only f of n . h is measured, without factors that depend on other
+// angles (Fresnel, shadowing). The reference and the shading kernels evaluate the same f. A coloured f is replaced by
+// the mean of its channels.
 #pragma once
 
 #include "host/bakes/accuracy/accuracy_brdf.h"

@@ -27,7 +27,7 @@ class KeptTexels {
   /// True if every texel was added.
   bool is_complete() const { return missing_count_ == 0; }
 
-  /// Calls keep(entry, texel) for the kept texels of these rows; `texel` counts from the first texel of the first row.
+  /// Calls keep(entry, texel) for the kept texels of these rows. `texel` counts from the first texel of the first row.
   /// Add each row only once.
   template <typename Level, typename Keep>
   void take_rows(int level, int first_row, const Level& rows, const Keep& keep) {

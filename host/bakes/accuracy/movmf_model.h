@@ -21,7 +21,7 @@ class MovmfModel : public AccuracyModel {
   /// The program that shades models of such mipmaps.
   static ProgramChoice program(Representation representation, int lobe_count, int first_level);
 
-  /// `mipmap` needs no texels; `texels` must outlive the model.
+  /// `mipmap` needs no texels. `texels` must outlive the model.
   MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
 
   void add_rows(int level, int first_row, const MovmfLevel& rows);

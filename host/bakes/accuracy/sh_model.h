@@ -16,7 +16,7 @@ namespace multum {
 
 class ShModel : public AccuracyModel {
  public:
-  /// `header` needs no texels; `texels` must outlive the model.
+  /// `header` needs no texels. `texels` must outlive the model.
   ShModel(const ShMipmap& header, const TexelSelection& texels);
 
   /// Adds rows of a stored level. Each row is added once, in any order.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers selected texels of each level of a pyramid. The slot of a texel is its number: level by level, row by row,
-// left to right. The data of selected texels is therefore a plain array.
+// Numbers selected texels of each level of a pyramid. The slot of a texel is its number. Texels are counted level by
+// level, row by row, from left to right. The data of selected texels is therefore a plain array.
 #pragma once
 
 #include <cstddef>

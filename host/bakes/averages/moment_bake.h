@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Receives finished rows: the rows of a level in order from the top, the levels in any order.
+/// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
 class MomentSink {
  public:
   virtual ~MomentSink() = default;
@@ -24,7 +24,7 @@ class MomentSink {
 void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress);
 
-/// Bakes maps in memory into a whole mipmap; `albedo` may be null. The header contains sizes only.
+/// Bakes maps in memory into a whole mipmap. `albedo` may be null. The header contains sizes only.
 MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                           AverageReport& report, Progress* progress);
 

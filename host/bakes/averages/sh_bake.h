@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Receives finished rows: the rows of a level in order from the top, the levels in any order.
+/// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
 class ShSink {
  public:
   virtual ~ShSink() = default;
@@ -25,7 +25,7 @@ void validate_sh_order(int order);
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress);
 
-/// Bakes maps in memory into a whole mipmap; `albedo` may be null. The header contains sizes only.
+/// Bakes maps in memory into a whole mipmap. `albedo` may be null. The header contains sizes only.
 ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                  AverageReport& report, Progress* progress);
 

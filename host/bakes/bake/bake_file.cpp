@@ -86,7 +86,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
 }
 
 // Returns the map that share 0 has decoded. Returns nullopt if share 0 is missing or damaged. GatheredRows then lists
-// the missing shares; if no share is missing, the map is read.
+// the missing shares. If no share is missing, the map is read.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {
     return read_shard_source(job, key);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes from file to file: reads, fits or averages, rounds, measures, writes. Called by the command line and the
-// service.
+// Bakes from file to file. A bake reads, fits or averages, rounds, measures and writes. Called by the command line and
+// the service.
 #pragma once
 
 #include "host/bakes/bake/bake_job.h"

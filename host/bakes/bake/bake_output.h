@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes the rows of a bake of lobes: rounds them for storage, passes them to the measurement, and writes them.
+// Takes the rows of a bake of lobes, rounds them for storage, passes them to the measurement, and writes them.
 #pragma once
 
 #include "host/bakes/accuracy/accuracy.h"

@@ -20,11 +20,11 @@ struct BakedCheck {
   StatedErrors measured;  // empty if the file is damaged
 };
 
-/// Checks JOB.output against JOB.input; writes only scratch files. Throws Error(kInput) if the source cannot be read,
+/// Checks JOB.output against JOB.input. Writes only scratch files. Throws Error(kInput) if the source cannot be read,
 /// and Cancelled. Needs memory for rows of tiles of the file and for bands of the source.
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress);
 
-/// The largest pixel error of all BRDFs; nullopt if there is none.
+/// Returns the largest pixel error of all BRDFs, or nullopt if there is none.
 std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
 /// Names the error that exceeds its value in `stated` most, or that is missing from `stated`. Ignores rounding. The

@@ -46,7 +46,8 @@ inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_by
   return inputs;
 }
 
-/// Settings for measuring a bake's error; BakeJob::highlights follow the BRDFs that are measured for every map.
+/// Returns the settings for measuring a bake's error. BakeJob::highlights follow the BRDFs that are measured for every
+/// map.
 inline AccuracySettings accuracy_settings(const BakeJob& job) {
   AccuracySettings settings;
   settings.threads = job.threads;

@@ -24,16 +24,16 @@ struct MapRegion {
   bool operator==(const MapRegion&) const = default;
 };
 
-/// The smallest rectangle of level 0 that contains every changed texel: texels that differ from `old` by more than two
-/// steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt if `old`
-/// stores no level 0. `header` belongs to the file to write. `normals` and `features` are the data to compare. Throws
-/// as RegionBake does.
+/// Returns the smallest rectangle of level 0 that contains every changed texel. Changed texels differ from `old` by
+/// more than two steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt
+/// if `old` stores no level 0. `header` belongs to the file to write. `normals` and `features` are the data to compare.
+/// Throws as RegionBake does.
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 
-/// Chooses the region to bake again: `asked` if it is set, otherwise the changed part. Throws Error(kInput) if texels
-/// outside `asked` have changed, because they would keep their old values. Throws Error(kUsage) if `asked` is not set
-/// and `old` stores no level 0.
+/// Chooses the region to bake again, which is `asked` if it is set and otherwise the changed part. Throws Error(kInput)
+/// if texels outside `asked` have changed, because they would keep their old values. Throws Error(kUsage) if `asked` is
+/// not set and `old` stores no level 0.
 MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
                          const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
                          int threads);
@@ -44,7 +44,7 @@ constexpr int kRegionHalo = 2;
 
 class RegionBake : public RowOrigin, public MovmfSink {
  public:
-  /// `old` is the file to bake onto; `header` belongs to the file to write. The two files must agree in sizes, lobes,
+  /// `old` is the file to bake onto. `header` belongs to the file to write. The two files must agree in sizes, lobes,
   /// encoding, first level and colours. Throws Error(kInput) that names the file and the difference, and Error(kUsage)
   /// for a region outside the map.
   RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const SpillPolicy& spill,

@@ -24,8 +24,8 @@ struct MovmfSettings {
   // iterations, because every finer level inherits their errors.
   int iteration_count_coarse = 30;  // 1..1000
   int iteration_count_top = 60;     // iterations for the coarsest level, 1..1000
-  // Number of passes over a level. In each further pass, every texel starts from its own lobes and all its neighbours
-  // are fitted; in the first pass, the texels that are fitted first use only their parent.
+  // Number of passes over a level. In the first pass, the texels that are fitted first use only their parent. In each
+  // further pass, every texel starts from its own lobes, and all its neighbours are already fitted.
   int pass_count = 2;  // 1..8
   // Maximum number of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their first
   // pass's iterations if that number is larger.
@@ -49,7 +49,8 @@ struct MovmfSettings {
   // The finest fitted level, 0..levels - 1. No level depends on a finer level, and finer levels of the result have no
   // texels.
   int first_level = 0;
-  bool aligned_start = true;  // false for comparison: texels start independently, so filtering mixes unrelated lobes
+  bool aligned_start = true;  // if false, for comparison, texels start independently, so filtering mixes unrelated
+                              // lobes
   // Upper limit of kappa (1/sigma^2 for Gaussians) inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals of
   // the texel). The stored spread of a lobe does not depend on this limit.
   float kappa_cap = 500.0f;           // 1..1e5

@@ -124,8 +124,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.parent_window_rows = fit.parent_height;
     fit.map_window_rows = map_height;
     level.order = settings.order;
-    // Scan-line order as a wavefront: a texel needs its left and its three upper neighbours. The last of these to be
-    // fitted is (x + 1, y - 1), so texel (x, y) belongs to step x + 2 y.
+    // Scan-line order runs as a wavefront. A texel needs its left and its three upper neighbours. The last of these to
+    // be fitted is (x + 1, y - 1), so texel (x, y) belongs to step x + 2 y.
     level.step_count = level.order == FitOrder::kColour ? 4 : fit.width + 2 * (fit.height - 1);
     schedule.levels.push_back(level);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Schedules the fit of a pyramid's texels: levels from the coarsest to the finest, and each level in steps of mutually
-// independent texels (docs/contributing/ALGORITHMS.md, "Order"). A step for some rows is one launch of the EM kernels.
+// Schedules the fit of a pyramid's texels. Levels are fitted from the coarsest to the finest, and each level in steps
+// of mutually independent texels (docs/contributing/ALGORITHMS.md, "Order"). A step for some rows is one launch of the
+// EM kernels.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,7 @@ struct MipSchedule {
 
 /// Weight of the mixed widths of movmf_choose.cl, in units of MovmfSettings::alignment.
 constexpr float kChoiceAlignment = 14.0f;
-/// One work-item sums a texel of up to this many samples; larger texels are binned or summed in chunks. The choice
+/// One work-item sums a texel of up to this many samples. Larger texels are binned or summed in chunks. The choice
 /// depends only on the sample count, so that the order of sums never depends on bands or devices. With a limit of 1024,
 /// the packed normals of a group still fit into a core's cache, and the rounding error of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;

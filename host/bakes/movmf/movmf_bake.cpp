@@ -57,7 +57,7 @@ class MovmfMipmapSink : public MovmfSink {
   MovmfMipmap mipmap_;
 };
 
-// Largest side of the proxy map's levels that are compared: finer levels hold too few normals per texel.
+// Largest side of the proxy map's levels that are compared. Finer levels hold too few normals per texel.
 constexpr int kComparedSideMax = 16;
 
 // Bakes a small proxy map from one start after another. Shared data is made once.

@@ -38,7 +38,7 @@ void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& setti
 /// Bakes planes in memory into a whole mipmap. Levels finer than settings.first_level have only sizes.
 MovmfMipmap bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, FitReport& report,
                        Progress* progress, StartMemory* starts = nullptr);
-/// Bakes maps in memory into a whole mipmap; `albedo` may be null.
+/// Bakes maps in memory into a whole mipmap. `albedo` may be null.
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
                        FitReport& report, Progress* progress);
 

@@ -31,7 +31,7 @@ int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
   return shape.atomic_cells ? 1 : (fit.sample_columns + kChunkColumns - 1) / kChunkColumns;
 }
 
-// Bins one level during a pass over the map. Has buffers for the texel rows that the band overlaps; row y is in slot y
+// Bins one level during a pass over the map. Has buffers for the texel rows that the band overlaps. Row y is in slot y
 // % slots.
 class LevelBinner {
  public:

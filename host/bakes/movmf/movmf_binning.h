@@ -38,7 +38,7 @@ std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
                                       Representation representation, int band_rows, MapWindows* on_device,
                                       const SpillPolicy& spill, Progress* progress);
 
-/// The programs that bin_levels() needs; empty if no level is binned.
+/// Returns the programs that bin_levels() needs. Empty if no level is binned.
 std::vector<ProgramChoice> binning_programs(const MipSchedule& schedule, Representation representation,
                                             const LaunchShape& shape);
 

@@ -155,8 +155,8 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   }
 }
 
-// Returns the rows that step `step` must fit so that the last step's rows are correct: one more row on each side for
-// each following step.
+// Returns the rows that step `step` must fit so that the last step's rows are correct. For each following step, it is
+// one more row on each side.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
   if (range_) return wanted_;  // texels outside the range keep their lobes
   if (whole_) return {0, fit_.height};

@@ -17,7 +17,7 @@ namespace multum {
 /// for the file, if these differ from the first lobes.
 enum class RowPart { kLobes, kFeatures, kStored };
 
-/// Bytes per row of each part; 0 if the part is missing.
+/// Bytes per row of each part. 0 if the part is missing.
 using RowBytes = std::array<std::uint64_t, 3>;
 
 /// Header of a record of rows. The rows of each part follow it.
@@ -39,9 +39,9 @@ class RowRecords {
   /// Returns the number of consecutive rows of a level from row 0 on that have this size, and drops all other rows.
   /// Call it once per level, before rows are added.
   int row_count(int level, const RowBytes& row_bytes);
-  /// Position of the rows in the first record of a level; 0 if there is none.
+  /// Returns the position of the rows in the first record of a level, or 0 if there is none.
   std::uint64_t begin_of(int level) const;
-  /// Reads rows; reading in order is fastest. If there are no separate lobes for the file, kStored reads the lobes of
+  /// Reads rows. Reading in order is fastest. If there are no separate lobes for the file, kStored reads the lobes of
   /// kLobes. Throws Error(kEnvironment) for rows that are missing or damaged.
   void read(int level, RowPart part, int first_row, int row_count, void* rows);
 

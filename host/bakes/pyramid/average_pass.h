@@ -26,7 +26,7 @@ struct AverageInputs : MapInputs {
   int first_level = 0;  // the finest level to make
 };
 
-/// Wraps maps in memory as inputs, with the header of the result: sizes and contents only.
+/// Wraps maps in memory as inputs, with the header of the result, which has only sizes and contents.
 class AveragedMap {
  public:
   /// `albedo` may be null. Weights are the features of `inputs`, and must outlive the object.
@@ -63,7 +63,7 @@ class AveragedPlanes {
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
   /// Receives each band of normals when it is read.
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
-  /// Receives finished rows: the rows of a level in order from the top, the levels in any order.
+  /// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
   virtual void add_level(const BoxRows& rows) = 0;
   /// Called after all rows of a band were handed over. From then on, kernels may be launched again.
   virtual void end_band() {}

@@ -22,7 +22,7 @@ struct FeaturePlanes {
 
   /// `albedo` and `weights` may be null. They must outlive the result.
   static FeaturePlanes of(const PlaneStore* albedo, const WeightMap* weights);
-  /// Returns these features with colours in front. `albedo` must outlive the result; there must be no colours yet.
+  /// Returns these features with colours in front. `albedo` must outlive the result. There must be no colours yet.
   FeaturePlanes with_colours(const PlaneStore& albedo) const;
 
   bool empty() const { return rgb_planes.empty(); }

@@ -27,7 +27,7 @@ struct MipJob {
   StorageEncoding encoding = StorageEncoding::kHalf;
   float scale = 1.0f;  // factor for the values of the file
   BakedWriteOptions writing;
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // limit for buffers and image; changes no output
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // limit for buffers and image; does not change the output
   std::string scratch_folder;                             // if empty, the output's folder is used
   int threads = 1;
   bool force = false;
@@ -49,7 +49,7 @@ struct MipReport {
 MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
 
 /// Builds a pyramid from values of any source. `fill_band` writes the rows of `map`'s planes into the pyramid's nodes,
-/// band by band from the top; `take` receives the rows of levels. Progress: one unit per texel of the map.
+/// band by band from the top. `take` receives the rows of levels. Progress: one unit per texel of the map.
 void run_box_bands(BoxPyramid& pyramid, const BoxMap& map, const std::function<void(const MultumBoxBand&)>& fill_band,
                    const std::function<void(const BoxRows&)>& take, Progress* progress);
 
@@ -60,7 +60,7 @@ PyramidLevel interleaved(const BoxRows& rows, int channels);
 std::uint64_t write_box_pyramid(BoxPyramid& pyramid, const BoxMap& map, PyramidWriter& writer, StorageEncoding encoding,
                                 const std::function<void(const MultumBoxBand&)>& fill_band, Progress* progress);
 
-/// Makes all levels of an image in memory: `planes` holds map.plane_count planes of width * height floats. Used by
+/// Makes all levels of an image in memory. `planes` holds map.plane_count planes of width * height floats. Used by
 /// tests, and for maps that are computed and not read.
 Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std::uint64_t memory_bytes);
 

@@ -37,7 +37,8 @@ double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w
   return density(kappa_of_mean_cosine(length > 1.0 - 1e-6 ? width : length * width, kKappaMax), t);
 }
 
-// Shades a lobe: mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
+// Shades a lobe, because mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered
+// lobe").
 double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, double mean_cosine, const glm::dvec3& w) {
   if (!by.exponent) return lobe_lambert(std::min(lobe.mean_length / mean_cosine, 1.0) * lobe.mu, w);
   return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));

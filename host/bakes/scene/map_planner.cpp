@@ -190,7 +190,7 @@ void MapPlanner::add_candidates() {
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are not cheaper
   }
   if (plan_.default_error_is_bound) return;  // no other representation takes fewer textures
-  // For widths in the map and for weights, only lobes can be estimated; sums of vMFs are shaded only over lobes.
+  // If the map has widths or weights, only lobes can be estimated. Sums of vMFs are shaded only over lobes.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   const BakeCandidate by_default = plan_.candidates.back();
   for (const EstimatedRepresentation& other : kOthers) add_other(other, by_default);

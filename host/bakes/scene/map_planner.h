@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans one map: lists the ways to bake it that a scene allows, estimates their errors, and chooses.
+// Plans one map. Lists the ways to bake it that a scene allows, estimates their errors, and chooses one.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a plan into a folder: a file NAME.ndf.exr per map, its mean colours in NAME.colours.exr if planned, plan.json,
-// and report.json. Each file appears when it is complete, or not at all. Existing files from the same sources and
-// settings are kept, so that a killed run can continue.
+// Bakes a plan into a folder. Writes a file NAME.ndf.exr per map, its mean colours to NAME.colours.exr if planned,
+// plan.json, and report.json. Each file appears when it is complete, or not at all. Existing files from the same
+// sources and settings are kept, so that a killed run can continue.
 #pragma once
 
 #include <functional>

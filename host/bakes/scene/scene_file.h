@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads scene.toml: how a scene shows its maps (materials, lights and camera distances), so that a bake can omit data
-// that the scene does not need. docs/reference/scenes.md describes every key.
+// Reads scene.toml, which describes how a scene shows its maps (materials, lights and camera distances). A bake can
+// then omit data that the scene does not need. docs/reference/scenes.md describes every key.
 #pragma once
 
 #include <optional>

@@ -103,7 +103,7 @@ ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings
     BakeJob job = scene.maps[m].job;
     job.threads = settings.threads;
     if (job.scratch_folder.empty()) job.scratch_folder = std::filesystem::temp_directory_path().string();
-    BakeReport read;  // unused: the bake reports warnings about the maps too
+    BakeReport read;  // not used, because the bake also reports warnings about the maps
     auto source = std::make_shared<BakeSource>(read_source(job, MapReadings::kMany, read, progress));
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());

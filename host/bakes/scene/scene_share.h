@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the bake of a scene among processes that share the output folder; maps are assigned in turn. A share bakes
+// Divides the bake of a scene among processes that share the output folder. Maps are assigned in turn. A share bakes
 // its maps and lists them in a record (host/foundation/base/share_record.h). A merge checks the records of all shares
 // and the hashes of the baked files, and writes plan.json and report.json. If the scene has a budget for all maps
 // together, every share plans all maps. Otherwise a share reads only its own maps.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a map to a target and finds its settings: the cheapest within an error, or the most accurate within a time.
-// Settings are chosen on a mosaic of the map (host/bakes/settings_search/setting_choice.h). Then the whole map is baked
-// and measured. If it misses the target, the next settings are tried. A second sample of footprints decides whether the
-// target error is met, because the search tends to prefer settings whose error in the first sample is low by chance.
+// Bakes a map to a target and finds its settings. They are the cheapest within an error, or the most accurate within a
+// time. Settings are chosen on a mosaic of the map (host/bakes/settings_search/setting_choice.h). Then the whole map is
+// baked and measured. If it misses the target, the next settings are tried. A second sample of footprints decides
+// whether the target error is met, because the search tends to prefer settings whose error in the first sample is low
+// by chance.
 #pragma once
 
 #include <optional>

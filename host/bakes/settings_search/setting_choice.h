@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// The BRDF of the target error; "roughness" for a bake with a roughness map.
+/// The BRDF of the target error, which is "roughness" for a bake with a roughness map.
 struct TargetBrdf {
   AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without shading method and colours
   std::string text = id.text();                        // name of the BRDF in options

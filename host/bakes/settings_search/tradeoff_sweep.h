@@ -36,7 +36,7 @@ struct TradeoffJob {
   bool has_budget() const { return bytes_max || frame_ms_max || bake_seconds_max; }
 };
 
-/// One bake that is drawn in one way.
+/// A bake together with one way of drawing it.
 struct TradeoffRow {
   std::string group;                     // the setting that is varied, such as "lobes" or "storage"
   std::string options;                   // options of `multum bake`

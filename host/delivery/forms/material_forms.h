@@ -89,7 +89,7 @@ class FormMeter {
   void improve(NormalForm& form, const std::vector<double>& limits) const;
   /// Returns the error from the references' own sampling, estimated from two halves of the samples.
   FormError noise() const;
-  /// Returns the error with 2 x 2 points per pixel and the variance of slopes: addPoints() of @multum/three.
+  /// Returns the error with 2 x 2 points per pixel and the variance of slopes, as in addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
   /// Returns the error of lobes that addLobes() of @multum/three draws with 4 evaluations and with textures of this
   /// form.

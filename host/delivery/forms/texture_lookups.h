@@ -20,7 +20,7 @@ namespace multum {
 /// Returns the texel that a sampler reads beyond the borders.
 int wrapped_texel(int i, int size, WrapMode mode);
 
-/// Size of a texture, and its wrap modes.
+/// The size of a texture and its wrap modes.
 struct TextureFrame {
   int width = 0, height = 0, level_count = 0;
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;

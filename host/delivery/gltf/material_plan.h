@@ -32,7 +32,7 @@ struct LobeSource {
   auto operator<=>(const LobeSource&) const = default;
 };
 
-/// Texture coordinates: the set, and the transform of KHR_texture_transform.
+/// The set of texture coordinates, and the transform of KHR_texture_transform.
 struct TextureCoordinates {
   std::uint64_t set = 0;
   std::array<double, 2> offset{0.0, 0.0}, scale{1.0, 1.0};

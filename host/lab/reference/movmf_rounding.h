@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounds a texel's lobes in the simplest form: tries every way of rounding that docs/reference/file_format.md
+// Rounds a texel's lobes in the simplest form. Tries every way of rounding that docs/reference/file_format.md
 // ("Rounding") describes. This is the reference of host/formats/asset/lobes/movmf_quantize.cpp. No bake uses it.
 #pragma once
 

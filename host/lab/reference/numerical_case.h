@@ -16,7 +16,7 @@
 
 namespace multum {
 
-/// The bound of cases that count faults or require exact results: the error must be 0.
+/// The bound of cases that count faults or require exact results. The error must be 0.
 constexpr double kNothingWrong = 1e-30;
 
 /// Texts and bound of a case.

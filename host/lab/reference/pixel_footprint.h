@@ -33,7 +33,7 @@ struct BorderModes {
 double rectangle_average(const ValuePlane& finest, const PixelRectangle& pixel, BorderModes borders, int side_points);
 
 /// Filters with N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /
-/// shorter), at most taps_max; lambda is bias + log2(longer) for one tap, and bias + max(log2(shorter), log2(longer /
+/// shorter), at most taps_max. lambda is bias + log2(longer) for one tap, and bias + max(log2(shorter), log2(longer /
 /// N) - 3/4) for several taps.
 double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangle& pixel, BorderModes borders,
                       int taps_max, double level_bias);

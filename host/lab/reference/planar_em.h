@@ -21,7 +21,7 @@ namespace multum::reference {
 /// most 1 - |p|^2. Here v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
 glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
 
-/// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.
+/// Runs EM and returns the moments of the last E-step. `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
 /// Returns sigma^2 of facets with a normalised Blinn-Phong distribution of exponent s, around a normal whose projection

@@ -408,8 +408,8 @@ void means_of_2_58_by_any_form(Device& device, WorstError& worst) {
   for (const bool by_team : {false, true}) means_of_2_58(device, worst, by_team);
 }
 
-// Tests probes that are all at one position, and probes without a position: a normal straight down maps to the whole
-// rim of the disc.
+// Tests probes that are all at one position, and probes without a position. A normal straight down has no position,
+// because it maps to the whole rim of the disc.
 void axes_of_no_extent(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const glm::vec3& n :

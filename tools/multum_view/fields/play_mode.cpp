@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns a quantile of the values by the nearest rank; `p` is in 0..1.
+/// Returns a quantile of the values by the nearest rank. `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the highlights of GGX lobes under many lights at once, in double precision: D V (n . l). V is the
+// Computes the highlights D V (n . l) of GGX lobes under many lights at once, in double precision. V is the
 // height-correlated visibility of Smith (Heitz 2014, "Understanding the masking-shadowing function", eq. 99). Its form
 // is that of Filament and glTF, V = G / (4 (n . v) (n . l)). The Fresnel term is omitted, because it is equal for all
 // lobes that are compared.

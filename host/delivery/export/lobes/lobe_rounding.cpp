@@ -27,7 +27,7 @@ struct StorablePair {
   float wanted, weight;
 };
 
-// Returns the best combination; if bit j is set, lobe j uses the upper value. Tries all 2^n combinations, 16 for four
+// Returns the best combination. If bit j is set, lobe j uses the upper value. Tries all 2^n combinations, 16 for four
 // lobes.
 std::pair<unsigned, float> best_combination(const std::vector<StorablePair>& pairs, float sum, float sum_weight) {
   unsigned best = 0;

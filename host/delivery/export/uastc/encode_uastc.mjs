@@ -138,8 +138,8 @@ function squaredAngles(one, other) {
 }
 
 // Returns the same directions with other lengths, which the encoder stores differently. The encoder minimizes the error
-// of all three numbers. If all normals end on a plane, this is an angle error. The plane is perpendicular to `axis`.
-// Returns null if a normal is behind the plane.
+// of all three numbers. If the ends of all normals are on one plane, this is an angle error. The plane is perpendicular
+// to `axis`. Returns null if a normal is behind the plane.
 function onPlane(v, axis) {
   const unit = normalized(v), made = new Float64Array(48);
   let most = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the page of a run of `multum-bench on-gpu`: devices, results of the steps, and failures.
+// Makes the page of a run of `multum-bench on-gpu`, with devices, results of the steps, and failures.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -44,8 +44,8 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::string& extens
   return files;
 }
 
-// /usr/lib/..." per library; empty without ldconfig. => Returns one line such as "libEGL.so.1 (libc6,x86-64) =>
-// /usr/lib/..." per library. Empty if ldconfig is missing. => /usr/lib/..." per library; empty without ldconfig.
+// Returns one line such as "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per library, or an empty string if ldconfig is
+// missing.
 std::string loader_list() {
   for (const char* program : {"/sbin/ldconfig", "/usr/sbin/ldconfig"}) {
     try {
