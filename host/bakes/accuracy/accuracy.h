@@ -114,9 +114,9 @@ class AccuracyMeter {
   /// have colours, and each channel is compared. Reads every normal once, or several times if it measures millions of
   /// texels. Progress counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// Difference between the shading of this file and of `by_default`, for the same map at the same texels. Call this
-  /// function before run(). If `albedo` is given, `by_default` must have colours, and Lambert is compared per channel.
-  /// A file without colours is then multiplied by the albedo's mean.
+  /// Computes the difference between the shading of this file and of `by_default`, for the same map at the same texels.
+  /// Call this function before run(). If `albedo` is given, `by_default` must have colours, and Lambert is compared per
+  /// channel. A file without colours is then multiplied by the albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
   /// Returns one error per BRDF, for all replicates together. Valid after run() if there are footprints.

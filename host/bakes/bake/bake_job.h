@@ -49,7 +49,7 @@ struct BakeJob {
   std::string scratch_folder;      // folder for data that does not fit into memory; if empty, the output's folder is
                                    // used
   bool resume = false;             // continue a killed bake of the same output
-  // For lobes only: one process's share of the map to fit, into a file next to the output
+  // For lobes only: the share of the map that this process fits, into a file next to the output
   // (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
   int merged_shards = 0;  // number of finished shares to merge into the output; 0 to fit all rows

@@ -20,8 +20,8 @@ struct TexelRectangle {
 };
 
 /// Returns `lobe_count` lobes of equal amplitude and kappa 20, far apart: first the normal farthest from the mean, then
-/// repeatedly the normal farthest from all chosen normals. Han et al. 2007, section 7.2, choose among lobes with the
-/// same method of Hochbaum and Shmoys. Reads at most about 2^14 normals on a regular grid.
+/// repeatedly the normal farthest from all chosen normals. This is the method of Hochbaum and Shmoys, with which Han et
+/// al. 2007, section 7.2, choose among lobes. Reads at most about 2^14 normals on a regular grid.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
 /// Converts the lobes to `representation`. A Gaussian has the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa

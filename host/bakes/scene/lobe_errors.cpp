@@ -67,9 +67,8 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
-// Returns the sharpest highlight that a texel's normals, which may be a sample, resolve. If the normals were spread
-// evenly over the directions within acos |mean|, the width of such a highlight would contain several of them
-// everywhere.
+// Returns the sharpest highlight that a texel's normals resolve. The normals may be a sample. If they were spread
+// evenly over the directions within acos |mean|, several of them would be within the width of this highlight.
 double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
   constexpr double kWithin = 4.0;
   const auto count = static_cast<double>(texel.normals.size());
@@ -330,8 +329,8 @@ double LobeErrors::colour_correlation(int lobe_count) {
     const auto count = static_cast<double>(survey_.texels[t].normals.size());
     const auto lobes = static_cast<double>(fitted[t].lobes.size());
     if (count < 8.0 * std::max(lobes, 1.0)) continue;  // with few normals per lobe, lobes explain all of the variance
-    // If colours are independent of lobes, chance puts a share (lobes - 1) / (count - 1) of the variance between
-    // lobes.
+    // If colours are independent of lobes, a share (lobes - 1) / (count - 1) of the variance is between lobes by
+    // chance.
     within += fitted[t].colour_within;
     between += fitted[t].colour_between - fitted[t].colour_within * (lobes - 1.0) / (count - 1.0);
   }

@@ -75,9 +75,9 @@ struct TimeNoise {
 double relative_half_width(const std::vector<double>& times);
 
 /// Marks rows on the fronts of error against the work of a bake, the work of a frame, and memory, and marks rows that
-/// are indistinguishable. A row is not on a front if another row is better in cost or error by more than the intervals,
-/// and not worse in either by more than the intervals. Elapsed times are ignored, because on a busy machine they depend
-/// on the other load.
+/// are indistinguishable. A row is not on a front if another row beats it. The other row must be better in cost or
+/// error by more than the intervals, and must not be worse in cost or error by more than the intervals. Elapsed times
+/// are ignored, because on a busy machine they depend on the other load.
 void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise);
 
 struct TradeoffResult {

@@ -160,8 +160,8 @@ class FormMeter {
   std::vector<Measured> pixels_;
 };
 
-/// Returns the form with the lowest mean error that the search finds. The error of no view may exceed the error of
-/// `kept` by more than kFormTolerance. If no form improves the mean by kFormGain, returns `kept`.
+/// Returns the form with the lowest mean error that the search finds. In each view, its error exceeds the error of
+/// `kept` by at most kFormTolerance. If no form improves the mean by kFormGain, returns `kept`.
 struct ChosenNormalForm {
   NormalForm form;
   FormError plain, fitted, chosen;  // `fitted` has levels 1 and coarser fitted, with the full roughness

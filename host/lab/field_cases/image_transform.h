@@ -16,8 +16,8 @@ std::vector<double> block_cosines(const std::vector<double>& image, std::size_t 
                                   std::size_t side);
 
 /// Filters a line of n samples, mirrored at its ends, with the analysis filters of the biorthogonal 9/7 wavelets.
-/// Returns ceil(n / 2) low coefficients, which are the sums of `h(j) * x(2 k + j)`. Then follow floor(n / 2) high
-/// coefficients, the sums of `g(j) * x(2 k + 1 + j)`. A line of one sample does not change.
+/// Returns ceil(n / 2) low coefficients, which are the sums of `h(j) * x(2 k + j)`. They are followed by floor(n / 2)
+/// high coefficients, the sums of `g(j) * x(2 k + 1 + j)`. A line of one sample does not change.
 std::vector<double> wavelet_line(const std::vector<double>& line);
 
 /// Transforms an image [height][width] by `depth` levels, rows before columns. Each further level transforms the low

@@ -266,7 +266,7 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a regularisation so weak that texels that no pixel reads have a denormal diagonal entry, whose inverse is
+// Tests a very weak regularisation. Texels that no pixel reads then have a denormal diagonal entry, whose inverse is
 // infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);

@@ -53,7 +53,7 @@ float sum_v(V v) {
 }
 
 // Flushes subnormal floats to 0 in this thread, until the object goes out of scope. Shares of lobes far from a normal
-// are subnormal, and Intel's processors compute with subnormal floats a hundred times slower. The kernels avoid
+// are subnormal, and Intel's processors compute with subnormal floats a hundred times more slowly. The kernels avoid
 // subnormal floats (movmf_em.clh).
 class FlushedToZero {
  public:
