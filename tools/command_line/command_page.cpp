@@ -35,7 +35,7 @@ constexpr char kHead[] =
     "  without such a key do not change the content.\n"
     "- Commands return these [exit codes](exit_codes.md).\n";
 
-// Formats text for a cell: option names as code, page paths as links, Markdown characters escaped.
+// Formats text for a cell. Option names become code, page paths become links, and Markdown characters are escaped.
 std::string cell(const std::string& text) {
   std::string result;
   bool is_code = false;
@@ -105,7 +105,7 @@ std::string scope_note(const Parameter& row) {
 
 // The columns of a table: only options, or options with their keys.
 struct Columns {
-  const ParameterTable* table = nullptr;  // null: the table shows no keys
+  const ParameterTable* table = nullptr;  // if null, the table shows no keys
   bool hashes = false;
 
   std::string head() const {
@@ -138,7 +138,8 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-// Returns "1 to 8 (`4`)": values, then the default. Choices that the help text explains are not listed again.
+// Returns the values and then the default, as in "1 to 8 (`4`)". Choices that the help text explains are not listed
+// again.
 std::string values_of(const OptionText& option) {
   const bool are_explained = std::all_of(option.choices.begin(), option.choices.end(),
                                          [&](const std::string& choice) { return has_word(option.help, choice); });
@@ -294,7 +295,7 @@ class Page {
     return text;
   }
 
-  // Returns "Options of multum bake: --lobes ..."; lists the exceptions instead if they are fewer.
+  // Returns "Options of multum bake: --lobes ...", or lists the exceptions if they are fewer.
   std::string names_of_owner(const CommandText& owner, const std::vector<std::string>& names) const {
     std::vector<std::string> missing;
     for (const OptionText& option : owner.options)

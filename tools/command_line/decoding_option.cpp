@@ -26,7 +26,7 @@ std::optional<std::uint64_t> byte_count(std::string text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(bytes) : std::nullopt;
 }
 
-// Parses "child", "child:SECONDS" and "child:SECONDS,MEMORY"; nullopt for any other text.
+// Parses "child", "child:SECONDS" and "child:SECONDS,MEMORY". Returns nullopt for any other text.
 std::optional<DecodingChild> child_of(std::string_view text) {
   DecodingChild child;
   if (text == "child") return child;

@@ -44,7 +44,7 @@ def write_repeated(source, output):
 
 
 def measure(multum, source, folder):
-    """Returns processor seconds and bytes of memory of each round, by name; None if Filament's tool is not
+    """Returns processor seconds and bytes of memory of each round, by name. Returns None if Filament's tool is not
     installed."""
     if shutil.which(PREFILTER) is None:
         return None

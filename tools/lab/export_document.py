@@ -6,9 +6,9 @@ lobe.
     tools/lab/export_document.py --maps ../shared/data/normal -o docs/evidence/EXPORT.md [--bin DIR] [--state FILE]
         [--cells N] [--measure-nothing]
 
-Exports every normal map of the folder (by its name) at three base roughnesses, isotropic and anisotropic. Maps in the
-file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison with
-Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
+Exports every file of the folder that is a normal map by its name, at three base roughnesses, isotropic and anisotropic.
+Maps in the file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison
+with Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
 """
 import argparse
 import json
@@ -217,7 +217,7 @@ Zstandard does not reduce GPU memory.
 |---|---|---|---|---|---|
 """
 
-# Each row: name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
+# Each row has a name, and the keys in a row's storage for bytes, bytes with Zstandard, and errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the table of pictures in docs/evidence/EXPORT.md: three.js draws exports on planes and a sphere.
+"""Prints the table of pictures in docs/evidence/EXPORT.md, for which three.js draws exports on planes and a sphere.
 
     tools/lab/export_pictures.py MAP... [--bin DIR] [--package DIR]
 
@@ -34,7 +34,7 @@ KTX2 = "image/ktx2"
 
 
 def grid(kind, repeat):
-    """Returns positions, normals, tangents, texture coordinates and indices. Shapes are two units wide; the map goes
+    """Returns positions, normals, tangents, texture coordinates and indices. Shapes are two units wide. The map goes
     twice around the sphere."""
     columns, rows = (1, 1) if kind == "plane" else (192, 96)
     sides = numpy.array([rows, columns])[:, None, None]
@@ -56,7 +56,7 @@ def grid(kind, repeat):
 
 
 def write_glb(path, kind, repeat, images, roughness, metalness):
-    """`images`: bytes and MIME type by use, "normal" and "orm"."""
+    """`images` has the bytes and the MIME type for each use, "normal" and "orm"."""
     blob, views, accessors = bytearray(), [], []
 
     def view(data):

@@ -80,7 +80,7 @@ def form_text(report):
 
 
 def counts(views):
-    """Counts the views in which one way has a lower error than another. `views`: errors in the order of WAYS."""
+    """Counts the views in which one way has a lower error than another. `views` has the errors in the order of WAYS."""
     def share(one, other, points):
         return sum(100 * (view[WAYS.index(one)] - view[WAYS.index(other)]) <= points for view in views)
 

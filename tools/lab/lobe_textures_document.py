@@ -79,8 +79,8 @@ def errors_of(view, file, source, count, exponent, folder, rivals):
 
 
 def measure(programs, maps, folder):
-    """Returns {(count, texels, exponent): [error per map]} and {(count, texels): ratio of bytes}. The baked file has
-    texels "". Rivals have their name as texels."""
+    """Returns {(count, texels, exponent): [error per map]} and {(count, texels): ratio of bytes}. For the baked file,
+    `texels` is "". For rivals, it is their name."""
     multum, view = programs / "multum", programs / "multum-view"
     errors, ratios = {}, {}
     for source in maps:

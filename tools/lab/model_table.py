@@ -130,7 +130,7 @@ def with_options(row, options):
 
 
 def link_rows(cache, entry, rows, folder):
-    """Links the files that `rows` draw into `folder`; returns the rows for model_page.js."""
+    """Links the files that `rows` draw into `folder`, and returns the rows for model_page.js."""
     link_model(entry["path"], folder)
     models = []
     for row in rows.values():

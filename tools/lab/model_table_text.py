@@ -106,7 +106,7 @@ def rule_table(found, rows, counts):
 
 
 def points_table(found, rows, counts):
-    """Compares errors of the rule with errors of points, at as many evaluations."""
+    """Compares errors of the rule with errors of points that need as many evaluations."""
     lines = ["| evaluations | median | highest | view with the highest value |", "|---|---|---|---|"]
     for count in counts:
         row, points = f"rule, {count}", f"points, {count}"
@@ -170,7 +170,8 @@ def section(entry, measured, rows):
 
 
 def document(found, rows, counts, view, lacking):
-    """Makes the page. `found`: (entry of models.json, measurements) of each model; `lacking`: names of other models."""
+    """Makes the page. `found` has (entry of models.json, measurements) of each model. `lacking` has the names of other
+    models."""
     numbers = {key: view[key] for key in ("width", "height", "angle", "samples", "edges")}
     count = f"Missing models: {', '.join(lacking)}." if lacking else "The page covers all models of the list."
     text = [PAGE.format(**numbers, count=count, grids=max(one["grids"] for _, measured in found

@@ -21,7 +21,7 @@ def fail(what):
 
 
 def run(*arguments):
-    """Returns the output of a program; ends this program if it fails."""
+    """Returns the output of a program. Ends this program if the other one fails."""
     done = subprocess.run([str(one) for one in arguments], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         fail(f"{arguments[0]} failed: {done.stderr or done.stdout}")
@@ -29,14 +29,14 @@ def run(*arguments):
 
 
 def files_of(model):
-    """Lists the model and the files that it refers to, as paths from the model's folder."""
+    """Lists the model and the files to which it refers, as paths from the model's folder."""
     text = json.loads(model.read_text(encoding="utf-8")) if model.suffix == ".gltf" else {}
     names = [one["uri"] for kind in ("buffers", "images") for one in text.get(kind, []) if "uri" in one]
     return [model.name] + [urllib.parse.unquote(name) for name in names if not name.startswith("data:")]
 
 
 def link_model(model, folder):
-    """Links the model and the files that it refers to into `folder`, under the model's name."""
+    """Links the model and the files to which it refers into `folder`, under the model's name."""
     for name in files_of(model):
         link = folder / name
         link.parent.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,7 @@ gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT splits one paramet
 Textures are inferred once, into DIR. Every figure is immediately stored in the file of rows, with its commit. Existing
 rows are not measured again unless --again names their part: videos of traced frames, for example, do not depend on
 multum. --measure-nothing makes the page only from the rows. Videos need Debian's ffmpeg, and playing needs dav1d's
-library. Without a browser, the browser's figures are left out.
+library. Without a browser, the browser's figures are missing.
 """
 import argparse
 import datetime
@@ -33,7 +33,7 @@ GROWTH_RATIOS = (96, 192)  # ratios at which fields with more and more parameter
 # Each row: name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
-# Options that switch off one part of the encoder each. Names are keys of rows.
+# Options that each switch off one part of the encoder. Names are keys of rows.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
               ("plain pyramid over parameters", ("--pyramid", "plain")),
               ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
@@ -59,7 +59,7 @@ def shown(name):
 
 
 class Rows:
-    """Keeps measurements: one row per field, kind and name, written at once."""
+    """Keeps measurements, in one row per field, kind and name. Each row is written at once."""
 
     def __init__(self, path, commit):
         self.path, self.commit = path, commit
@@ -94,7 +94,7 @@ class FieldMeasurement:
     """Measures one field: its traced frames, and frames drawn from inferred textures."""
 
     def __init__(self, name, job, inferred, programs, rows, stated):
-        """`stated`: the ratios that tables list."""
+        """`stated` are the ratios that tables list."""
         from fields import Field
         self.name, self.inferred, self.programs, self.rows = name, inferred, programs, rows
         self.stated, self.main = stated, ["--ratio", f"{stated[len(stated) // 2]:g}"]
@@ -137,7 +137,7 @@ class FieldMeasurement:
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
     def measure_videos(self, video_codecs, beginnings):
-        """`beginnings`: prefixes of codec names, or None for all codecs."""
+        """`beginnings` are prefixes of codec names, or None for all codecs."""
         from fields import mse
         for codec in video_codecs.CODECS:
             if beginnings and not codec.name.startswith(tuple(beginnings)):
@@ -194,7 +194,7 @@ class FieldMeasurement:
         return {"own": mse(self.own, self.traced), "at": points}
 
     def stated_errors(self, inferred):
-        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; uses rows of a
+        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio. Uses rows of a
         curve if there are any."""
         result = {}
         for ratio in self.stated:
@@ -219,7 +219,8 @@ class FieldMeasurement:
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps`: whether to keep the textures of all ways in the work folder. `ways`: number of INFERENCES to use."""
+        """`keeps` tells whether to keep the textures of all ways in the work folder. `ways` is the number of INFERENCES
+        to use."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
@@ -254,7 +255,7 @@ def with_texture_settings(job, changes):
 
 
 def prepared(folder, work, programs, rows, split):
-    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split`: a
+    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split` is a
     parameter to divide and its parts, as for with_split_parameter(), or None."""
     from fields import Field, mse
     from parameter_grid import with_split_parameter

@@ -3,7 +3,7 @@
 
 A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
 from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
-docs/explanation have no measured figure outside the marks. The check needs only the standard library: neither the
+docs/explanation have no measured figures outside the marks. The check needs only the standard library: neither the
 programs nor the real maps.
 """
 import hashlib
@@ -64,7 +64,7 @@ def section_of(root, page, title):
 
 
 def cells_of(root, page, text, name):
-    """Finds the first row of figures whose first cell matches; returns its other cells."""
+    """Finds the first row of figures whose first cell matches, and returns its other cells."""
     found = re.search(rf"^\| *(?:{name}) *\| *(\d.*)\|$", text, re.MULTILINE)
     if not found:
         raise Unreadable(f"docs/evidence/{page}: found no row '{name}', expected one")
@@ -72,7 +72,7 @@ def cells_of(root, page, text, name):
 
 
 def error_of(row, method, ending=""):
-    """Returns the error of a method in one picture: for LEAN, the lower error of its two variants."""
+    """Returns the error of a method in one picture. For LEAN, this is the lower error of its two variants."""
     if method == "lean":
         return min(row["lean" + ending], row["lean-jacobian" + ending])
     if ending and method == "mip":
@@ -112,8 +112,8 @@ has {made_of["samples"]} samples per pixel. The noise of the reference is {perce
 
 # ---- highlights of texels, by roughness
 
-# Forms that a shader draws, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a new
-# shader.
+# Forms that a shader can draw, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a
+# new shader.
 DRAWN = (("averaged normals", r"averaged normals\b[^|]*"), ("Unreal's rule", r"Unreal\b[^|]*"),
          ("Unity HDRP's rule", r"Unity HDRP\b[^|]*"), ("`multum export`", r"\*\*`?multum export`?\*\*"),
          ("four lobes of `multum bake`", r"(?:four )?lobes of `multum bake`[^|]*"))
@@ -121,7 +121,7 @@ ROUGHNESSES = ("0.1", "0.25", "0.5")
 
 
 def by_roughness(_figures, root):
-    """Makes a table of highlight errors on levels 2, 4 and 6: medians over the maps."""
+    """Makes a table of highlight errors on levels 2, 4 and 6, as medians over the maps."""
     text = (root / "docs/evidence/EXPORT.md").read_text()
     maps = row_of(root, "EXPORT.md", r"\b(\d+) (?:real |normal )?maps (?:of|in|from) `?shared/data/normal")
     rows = []
@@ -134,7 +134,7 @@ def by_roughness(_figures, root):
 
 
 def by_lobes(_figures, root):
-    """Makes a table of texel errors by the number of lobes: medians over maps and levels."""
+    """Makes a table of texel errors by the number of lobes, as medians over maps and levels."""
     text = section_of(root, "ACCURACY.md", "### By channels")
     exponents = re.search(r"s = (\d+) .*s = (\d+) .*s = (\d+) ", text).groups()
     rows = []
@@ -203,7 +203,7 @@ MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader 
 
 
 def models(_figures, root):
-    """Makes a table of (error - floor) / (error of plain mips - floor): medians over views from 5 m and farther."""
+    """Makes a table of (error - floor) / (error of plain mips - floor), as medians over views from 5 m and farther."""
     head, columns = ["drawn by three.js"], []
     for title, words in MODEL_SETS:
         text = section_of(root, "GLTF_MODELS.md", title)
@@ -385,7 +385,7 @@ def measured_outside(page, text):
 
 
 def problems(root):
-    """Lists each text that differs from the figures; the list is empty when all pages agree with them."""
+    """Lists each text that differs from the figures. The list is empty if all pages agree with them."""
     found, used, blocks = [], set(), {"figures": read_figures(root)}
     for page, text in marked_pages(root):
         try:

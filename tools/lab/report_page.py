@@ -57,7 +57,7 @@ def percent(value):
 
 
 def table(head, rows):
-    """Makes an HTML table. Rows are lists of cells; a cell is text, or (text, class)."""
+    """Makes an HTML table. Rows are lists of cells. A cell is text or (text, class)."""
     def cell(one):
         content, kind = one if isinstance(one, tuple) else (one, "")
         return f'<td class="{kind}">{text(content)}</td>' if kind else f"<td>{text(content)}</td>"
@@ -113,7 +113,7 @@ def chart(title, unit, labels, series, bars=False, axis="level"):
 
 
 def first_value(path, key):
-    """Returns the value of the first line "KEY=VALUE" or "KEY : VALUE"; empty if there is none."""
+    """Returns the value of the first line "KEY=VALUE" or "KEY : VALUE", or an empty string if there is none."""
     try:
         lines = pathlib.Path(path).read_text(errors="replace").splitlines()
     except OSError:

@@ -38,7 +38,7 @@ def sha256(path):
 
 
 class Bakes:
-    """One map, baked whole and in shares."""
+    """One map that is baked whole and in shares."""
 
     def __init__(self, multum, folder, size, count):
         self.multum, self.count = multum, count
@@ -96,7 +96,7 @@ def span(values, form):
 
 
 def section(size, rounds, processes, plan):
-    """Makes the section of one size: the costs, and the measured and planned parts, each in % of one bake."""
+    """Makes the section of one size, with the costs, and with the measured and planned parts in % of one bake."""
     wholes = [run for one in rounds for run in one["wholes"]]
     hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:

@@ -5,7 +5,7 @@ folder.
 
     tools/lab/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/evidence/TARGETS.md
 
-Each map is baked completely for each target. Files that `multum bake` refuses as normal maps are left out. With
+Each map is baked completely for each target. Files that `multum bake` refuses as normal maps are skipped. With
 --resume, rows in the file of --state are not baked again. With --bake-nothing, the page is made only from these rows.
 """
 
@@ -39,7 +39,7 @@ def processor_seconds_of_children():
 
 
 def bake(multum, path, target, brdf, folder):
-    """Bakes once; returns None if the file is not a normal map."""
+    """Bakes once. Returns None if the file is not a normal map."""
     output = os.path.join(folder, "target.ndf.exr")
     report = os.path.join(folder, "target.json")
     before = processor_seconds_of_children()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake. Options that maketx also has keep their names from maketx.
+// multum bake. Options that maketx also has have the same names as in maketx.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -30,7 +30,7 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
-  std::string shard;  // shares of several maps or of one map; empty: bake everything
+  std::string shard;  // shares of several maps or of one map; empty to bake everything
   int merged_shards = 0;
 };
 

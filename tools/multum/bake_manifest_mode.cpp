@@ -19,8 +19,8 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Checks result files before any work: a long run must not end with a report that cannot be written or overwrites a
-// map.
+// Checks result files before any work, so that a long run does not end with a report that cannot be written or that
+// overwrites a map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {

@@ -38,7 +38,7 @@ struct ExportOptions {
   ExportJob job;
   ParameterValues values{export_parameters()};
   std::vector<std::string> inputs;
-  std::string manifest;  // empty: the command runs in another mode
+  std::string manifest;  // manifest file; empty if the command runs in another mode
   bool check = false, dry_run = false;
   std::string shard_text;
   WorkShard shard;  // share of several maps
@@ -54,7 +54,7 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// Throws Error(kUsage) for options about reading a map: they have no effect on a baked file, whose normals are decoded.
+// Throws Error(kUsage) for options about reading a map. They have no effect on a baked file, whose normals are decoded.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))

@@ -31,7 +31,7 @@
 namespace multum {
 namespace {
 
-// Rounds floats to the decimal number that the user gave: 0.00999999977 becomes 0.01.
+// Rounds floats to the decimal number that the user gave. For example, 0.00999999977 becomes 0.01.
 std::string rounded_settings(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return text;
@@ -123,7 +123,7 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
-// Returns what the bake found in its source files; empty for files that earlier versions wrote.
+// Returns what the bake found in its source files. Empty for files that earlier versions wrote.
 std::string reading_text(const std::string& reading) {
   const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
   if (!json.is_object()) return "";

@@ -50,7 +50,7 @@ struct PlanOptions {
   double share_seconds = -1.0;
 };
 
-// Throws Error(kUsage) for an image, because many users would first try to plan an image.
+// Throws Error(kUsage) for an image, because many users first try to plan an image.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
     throw Error(

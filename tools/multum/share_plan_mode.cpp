@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t kTexelsMax = std::int64_t{1} << 30;
 
-// Reads the size from the first bytes of the file if the format allows it, else with a library in a child process.
+// Reads the size from the first bytes of the file if the format allows it, otherwise with a library in a child process.
 std::pair<int, int> map_size(const std::string& path) {
   const ImageContainer container = inspect_image_container(path, kTexelsMax);
   if (container.width > 0) return {static_cast<int>(container.width), static_cast<int>(container.height)};

@@ -60,7 +60,7 @@ struct MaterialMaker {
   const gl::GlFunctions& gl;
   const ShadingOptions& options;
   const gl::NormalImage& source;
-  const LobeTexture* texture;  // null: the lobes come from the baked file
+  const LobeTexture* texture;  // if null, the lobes come from the baked file
 
   std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);

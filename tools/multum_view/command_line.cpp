@@ -161,7 +161,7 @@ void run_help_command(const CLI::App& app, const std::string& command, const Hel
   else write_man_pages(app, o.folder);
 }
 
-/// Returns the message about a misspelt subcommand, if no file has that name; else an empty string.
+/// Returns the message about a misspelt subcommand if no file has that name, otherwise an empty string.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -174,7 +174,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// Returns the message about an option that only subcommands have; else an empty string.
+/// Returns the message about an option that only subcommands have, or an empty string.
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));

@@ -26,7 +26,7 @@
 namespace multum {
 namespace {
 
-/// Returns the settings of the bake; settings from the command line replace them.
+/// Returns the settings of the bake. Settings from the command line replace them.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;

@@ -24,7 +24,7 @@ namespace {
 
 bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
-/// Composes a sheet: the pictures are in the first row. If there is a reference, their errors are in the second row.
+/// Composes a sheet. The pictures are in the first row. If there is a reference, their errors are in the second row.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {

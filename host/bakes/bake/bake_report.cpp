@@ -42,7 +42,7 @@ Json error_json(const std::vector<FootprintError>& errors) {
   return list;
 }
 
-// Returns one line if any texel was repaired, else an empty string.
+// Returns one line if any texel was repaired, otherwise an empty string.
 std::string repairs_text(const NormalMapReport& input) {
   if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
     return "";

@@ -11,9 +11,9 @@ namespace multum {
 namespace {
 
 constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
-constexpr int kBandRowsWanted = 8;  // fewer rows give many threads too little work, so more memory is used
+constexpr int kBandRowsWanted = 8;  // with fewer rows, many threads have too little work, so more memory is used
 
-// The memory for windows, and where its limit comes from.
+// The memory for windows and the source of its limit.
 struct WindowMemory {
   std::uint64_t bytes;
   bool on_device;
@@ -26,7 +26,8 @@ struct WindowMemory {
                           static_cast<double>(wanted) / (1 << 20), what));
 }
 
-// Chooses as many rows as fit into the useful memory; up to kBandRowsWanted rows only need to fit into the limit.
+// Chooses as many rows as fit into the useful memory. Up to kBandRowsWanted rows may exceed it if they fit into the
+// limit.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {

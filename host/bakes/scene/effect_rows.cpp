@@ -41,7 +41,7 @@ class EffectRows {
   void add_row(const std::string& effect, bool needed, const std::string& why, const BakeCost& cost) {
     plan_.effects.push_back({effect, needed, why, true, cost});
   }
-  // "1.2 %", or "1.2/14 %" for diffuse light and highlights.
+  // Formats "1.2 %", or "1.2/14 %" for diffuse light and highlights.
   std::string parts_text(const PartErrors& e) const {
     return !needs_.specular  ? percent_text(e.diffuse)
            : !needs_.diffuse ? percent_text(e.specular)
@@ -52,7 +52,7 @@ class EffectRows {
            : !needs_.diffuse ? "error of highlights"
                              : "error of diffuse light/highlights";
   }
-  // Cost of the default bake with a change.
+  // Returns the cost of the default bake with a change.
   template <typename Change>
   BakeCost default_with(const Change& change) const {
     BakeShape s = plan_.default_bake.shape;
@@ -123,8 +123,8 @@ class EffectRows {
     if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
   }
 
-  // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates are sorted by textures, so more
-  // lobes with one colour come before fewer lobes with a colour each.
+  // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates themselves are sorted
+  // by textures, so more lobes with one colour come before fewer lobes with a colour each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -143,7 +143,7 @@ class EffectRows {
     return items;
   }
 
-  // Says why the representation has no candidates.
+  // States why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe represents all normals";
     if (needs_.width_in_map || needs_.weighted) return "a roughness map and weights need vMF lobes";
@@ -153,7 +153,7 @@ class EffectRows {
     return "lobes are enough";
   }
 
-  // The candidate's name within the row of its representation.
+  // Returns the candidate's name within the row of its representation.
   static std::string name_within(const BakeCandidate& c) {
     const RepresentationInfo& info = representation_info(c.shape.representation);
     if (info.lobes != nullptr) return count_text(c.shape.lobe_count, "lobe");

@@ -15,16 +15,16 @@
 namespace multum {
 namespace {
 
-// Harmonics of order 8, which multum-view evaluates in an environment, suffice for highlights with lower exponents than
-// this one. They miss 8 % of Blinn-Phong with s = 12 (docs/contributing/ALGORITHMS.md, "Environments").
+// In an environment, multum-view evaluates harmonics of order 8. They suffice for highlights with exponents lower than
+// this one, and miss 8 % of Blinn-Phong with s = 12 (docs/contributing/ALGORITHMS.md, "Environments").
 constexpr double kHarmonicsExponentMax = 12.0;
 
 void add_row(ObjectPlan& object, const std::string& effect, bool needed, const std::string& why) {
   object.effects.push_back({effect, needed, why, false, {}});
 }
 
-// The smallest v.h: the cosine of half the angle between the line of sight and the light. The line of sight is within
-// `tilt` of the surface's normal, and the light reaches the steepest normal from its horizon.
+// The smallest v.h is the cosine of half the largest angle between the line of sight and the light. The line of sight
+// is within `tilt` of the surface's normal, and the light may come from the horizon of the steepest normal.
 double least_half_cosine(double tilt_degrees, double z_min) {
   const double steepest = std::acos(std::clamp(z_min, 0.0, 1.0));
   const double between = tilt_degrees * std::numbers::pi / 180.0 + 0.5 * std::numbers::pi + steepest;

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Wraps words in lines of at most `width`; keeps numbers and their % together.
+// Wraps words in lines of at most `width` characters. Keeps numbers and their % together.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::vector<std::string> words, lines(1);
   std::istringstream stream(text);
@@ -82,7 +82,7 @@ std::string head(const std::string& last) {
   return fmt::format("  {:<25} {:<4} {:>9} {:>10}  {}\n", "effect", "need", "bake", "textures", last);
 }
 
-// "2.0 MiB"; "0.7 to 5.3 MiB" if trials decide.
+// Formats "2.0 MiB", or "0.7 to 5.3 MiB" if trials decide.
 std::string range_text(double low, double high, std::string (*text_of)(double)) {
   if (low == high) return text_of(low);
   const std::string from = text_of(low), to = text_of(high);
@@ -90,7 +90,7 @@ std::string range_text(double low, double high, std::string (*text_of)(double)) 
   return (to.ends_with(from.substr(unit)) ? from.substr(0, unit) : from) + " to " + to;
 }
 
-// "35 % less", "13 % more".
+// Formats "35 % less" or "13 % more".
 std::string saved(double from, double to) {
   const double share = from > 0.0 ? 1.0 - to / from : 0.0;
   return fmt::format("{:.0f} % {}", 100.0 * std::abs(share), share < 0.0 ? "more" : "less");
@@ -185,7 +185,8 @@ std::string outcome_text(const MapPlan& map) {
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
-// Makes a path absolute: a service publishes the results folder at another place, where relative paths would fail.
+// Makes a path absolute, because a service publishes the results folder at another place, where relative paths would
+// fail.
 std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
 }
@@ -197,7 +198,7 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
   constexpr double kUnits = 10.0, kPlaneSize = 60.0;
   const double width = object.width > 0.0 ? object.width : map.width / object.texels_per_metre;
   const double tilt = std::min(object.tilt_max, 45.0) * 0.017453292519943295;
-  // The lowest point of the picture is closest.
+  // The lowest point of the picture is closest to the camera.
   const double below = std::max(tilt - 0.5 * scene.camera.fov_degrees * 0.017453292519943295, 0.0);
   const double nearest = kUnits * std::cos(tilt) / std::cos(below);
   Json view = {{"file", text_of_path(fs::path(files.baked(map)).filename().string())},

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// 12 bytes of header ("glTF", version, length), then chunks of (length, type, data).
+// A GLB has a header of 12 bytes ("glTF", version, length), then chunks of (length, type, data).
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
@@ -79,7 +79,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   }
 }
 
-// Returns up to a given number of bytes of a URI: embedded bytes, or the bytes of a file.
+// Returns at most a given number of bytes of a URI, which are embedded or in a file.
 std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is not a string");
   return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);

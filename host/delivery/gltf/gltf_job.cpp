@@ -28,7 +28,7 @@
 namespace multum {
 namespace {
 
-constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: pixelWidth and pixelHeight are multiples
+constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu requires multiples of this for pixelWidth and pixelHeight
 
 // Returns the files of the model, the named file first.
 std::vector<std::string> input_files(const GltfAsset& asset) {
@@ -191,7 +191,7 @@ class GltfConversion {
     warn_of_bad(plan);
   }
 
-  // Returns the result of the pictures as text; empty: no pictures were drawn.
+  // Returns the result of the pictures as text, which is empty if no pictures were drawn.
   std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
     if (material.source >= prepared.size() || report_.forms[material.source].views.empty()) return "";
     return report_.forms[material.source].to_text(true);
@@ -250,7 +250,7 @@ class GltfConversion {
     return form;
   }
 
-  // Returns no textures if the material keeps its own; `source` then gives the reason.
+  // Returns no textures if the material keeps its own. `source` then gives the reason.
   SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
     SourceTextures made;
     std::optional<FittedSource> found = fit(asset, source, number);
@@ -270,7 +270,7 @@ class GltfConversion {
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);
-      progress_advance(progress_, 2 * source.texel_count());  // counts textures that need no encoding
+      progress_advance(progress_, 2 * source.texel_count());  // counts progress for textures that need no encoding
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
@@ -334,7 +334,7 @@ class GltfConversion {
   }
 
   const GltfJob& job_;
-  GltfTextureFormat format_ = job_.format;  // the written format; without an encoder kAuto becomes kRgba8
+  GltfTextureFormat format_ = job_.format;  // the written format; without an encoder, kAuto becomes kRgba8
   Device& device_;
   const DeviceCounts counts_;
   Progress* const progress_;

@@ -67,7 +67,7 @@ void empty_and_uneven_rows(Device& device, WorstError& worst) {
         sum += product;
         magnitude += std::abs(product);
       }
-      // Devices may treat denormal numbers as 0.
+      // Devices are allowed to treat denormal numbers as 0.
       worst.add(static_cast<double>(found[r][c]), sum, magnitude + 1e-30, fmt::format("row {}", r));
     }
 }
@@ -266,7 +266,7 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a regularisation so weak that texels that no pixel reads have a denormal diagonal entry, whose inverse is
+// Tests a very weak regularisation. Texels that no pixel reads then have a denormal diagonal entry, whose inverse is
 // infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);
@@ -275,7 +275,7 @@ void denormal_diagonals(Device& device, WorstError& worst) {
                        fmt::format("eps {}", weight), worst);
 }
 
-// Tests a picture of one colour that shows only the left half of a texture. The right half must get this colour too.
+// Tests a picture of one colour that shows only the left half of a texture. The right half must also get this colour.
 void unseen_texels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 16, WrapMode::kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();
@@ -388,7 +388,7 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The host computes the inverses, so this kernel edit replaces each inverse of 0 by infinity, as if the host had no
+  // The host computes the inverses, so this kernel edit replaces each inverse of 0 with infinity, as if the host had no
   // guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",

@@ -53,7 +53,7 @@ std::string table(const std::string& formula, const NumericalRun& run) {
   return text;
 }
 
-// Lists dangers with the cases that test them. Lists only cases that the runs contain.
+// Lists dangers with the cases that test them, but only cases that the runs contain.
 std::string topics(const std::vector<NumericalRun>& runs) {
   const auto is_run = [&](const std::string& name) {
     return std::any_of(runs.begin(), runs.end(), [&](const NumericalRun& run) {

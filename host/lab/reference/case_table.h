@@ -16,7 +16,7 @@ std::string case_table(const NumericalRun& run);
 /// Writes the cases as JSON. Errors that are not finite become the texts "NaN" and "inf".
 std::string case_json(const NumericalRun& run);
 
-/// Parses the output of case_json(). Throws Error(kInput) naming `path` for any other text.
+/// Parses the output of case_json(). Throws Error(kInput) that names `path` for any other text.
 NumericalRun parse_case_json(const std::string& text, const std::string& path);
 
 }  // namespace multum

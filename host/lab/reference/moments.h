@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes moments of a texel by their definition, in double, and their shading by Toksvig's rule and by LEAN, to test
-// kernels/moments.cl, kernels/device/moment_shading.clh and moment_shading.glsl.
+// Computes moments of a texel by their definition, in double precision, and their shading by Toksvig's rule and by
+// LEAN, to test kernels/moments.cl, kernels/device/moment_shading.clh and moment_shading.glsl.
 #pragma once
 
 #include <glm/vec3.hpp>

@@ -42,7 +42,7 @@ double kappa_of_mean_length(double r);
 /// Returns the logarithm of the von Mises-Fisher density at cosine t.
 double log_vmf(double t, double kappa);
 
-/// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.
+/// Runs EM and returns the moments of the last E-step. `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
 }  // namespace multum::reference

@@ -238,7 +238,7 @@ void add_midway(const std::vector<RefinedLobe>& lobes, const std::vector<Refined
     }
 }
 
-// Raises the diagonal, then adds the constraints: the sum of amplitudes and the mean normal are constant.
+// Raises the diagonal. Then adds the constraints that the sum of amplitudes and the mean normal are constant.
 void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, System& system) {
   std::vector<glm::dvec4> rows;
   glm::dvec4 off(-mean, -1.0);

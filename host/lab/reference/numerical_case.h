@@ -32,7 +32,7 @@ struct NumericalCaseText {
   std::string bound_reason;   // reason for the bound
 };
 
-/// The worst error of a case so far, and its input. NaN counts as worse than any error.
+/// The worst error of a case so far and its input. NaN counts as worse than any error.
 class WorstError {
  public:
   void add(double error, const std::string& input);
@@ -62,7 +62,7 @@ struct NumericalVerdict {
   }
 };
 
-/// The verdicts of one device or one GL.
+/// The verdicts of one device or one GL implementation.
 struct NumericalRun {
   std::string kind;      // "OpenCL" or "GL"
   std::string device;    // name of the device

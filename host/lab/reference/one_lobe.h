@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to the facets that a texel covers, by its definition, in double, to test kernels/one_lobe.cl. Also
-// shades one lobe, for the errors of exports.
+// Fits one GGX lobe to the facets that a texel covers, by definition and in double precision, to test
+// kernels/one_lobe.cl. Also shades one lobe, for the errors of exports.
 #pragma once
 
 #include <vector>

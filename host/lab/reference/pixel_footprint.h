@@ -32,9 +32,9 @@ struct BorderModes {
 /// count, because the surface ends there. Beyond a black border, the value is 0.
 double rectangle_average(const ValuePlane& finest, const PixelRectangle& pixel, BorderModes borders, int side_points);
 
-/// Filters by N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /
-/// shorter), at most taps_max; lambda = bias + log2(longer) for one tap, bias + max(log2(shorter), log2(longer / N) -
-/// 3/4) for several.
+/// Filters with N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /
+/// shorter), at most taps_max. lambda is bias + log2(longer) for one tap, and bias + max(log2(shorter), log2(longer /
+/// N) - 3/4) for several taps.
 double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangle& pixel, BorderModes borders,
                       int taps_max, double level_bias);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the reference of kernels/reflectance_pyramid.cl and reflectance.frag in double.
+// Computes the reference of kernels/reflectance_pyramid.cl and reflectance.frag in double precision.
 #pragma once
 
 #include <vector>

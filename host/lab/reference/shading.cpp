@@ -141,7 +141,7 @@ double convolved_ggx(double alpha, double kappa, double theta) {
 }
 
 double smith_visibility(double alpha, double n_l, double n_v) {
-  // For each direction: G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
+  // For each direction, G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
   const auto lambda = [alpha](double c) {
     return 0.5 * (std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * c * c) / c - 1.0);
   };

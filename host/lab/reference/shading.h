@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades a von Mises-Fisher lobe in double, in the simplest form. No bake uses it.
+// Shades a von Mises-Fisher lobe in double precision, in the simplest form. No bake uses it.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes spherical harmonics by their definition, in double, to test kernels/sh_project.cl, kernels/sh_shade.cl and
-// sh_shading.glsl.
+// Computes spherical harmonics by their definition, in double precision, to test kernels/sh_project.cl,
+// kernels/sh_shade.cl and sh_shading.glsl.
 #pragma once
 
 #include <functional>

@@ -61,7 +61,7 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   }
 }
 
-// Fits one lobe to normals that cancel: r is 0, so the lobe has no direction, and kappa approaches 0.
+// Fits one lobe to normals that cancel. The lobe has r = 0 and thus no direction, and kappa approaches 0.
 void opposite_normals_of_one_lobe(Device& device, WorstError& worst) {
   const std::vector<std::vector<glm::dvec3>> sets = {
       {{1, 0, 0}, {-1, 0, 0}}, {{0, 0, 1}, {0, 0, -1}}, {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
@@ -116,7 +116,7 @@ void few_normals(Device& device, WorstError& worst) {
     }
 }
 
-// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1; normals of length 0 or longer
+// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1. Normals of length 0 or longer
 // than 1 are errors of the caller.
 void samples_of_any_length(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-20, 1e-3, 0.5, 0.999999, 1.000001, 1.5}) {

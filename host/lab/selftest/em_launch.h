@@ -19,7 +19,7 @@ namespace multum {
 
 constexpr std::size_t kGroup = MULTUM_GROUP;
 
-/// Explains the bounds of EM's results.
+/// Explains the bounds of the results of EM.
 constexpr char kEmBoundReason[] =
     "each added sample is rounded by 6e-8, and EM amplifies such differences less than tenfold";
 
@@ -75,7 +75,7 @@ std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, 
 /// Returns an edit of the kernel.
 SourceEdit em_edit(const std::string& text, const std::string& replacement);
 
-/// Returns a unit vector, tilted by `degrees` from +z towards an azimuth in radians.
+/// Returns a unit vector that is tilted by `degrees` from +z towards an azimuth in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);
 
 }  // namespace multum

@@ -101,7 +101,7 @@ int span(int map_size, int level_size) {
   return most;
 }
 
-// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`; a larger
+// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`. A larger
 // sum means that finest texels are counted twice.
 void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
   MultumMovmfFit fit = {};

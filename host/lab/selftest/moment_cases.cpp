@@ -101,7 +101,7 @@ MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) 
   return m;
 }
 
-// Returns a half vector with slope (s, t), in the precision of the kernel's input.
+// Returns a half vector with slope (s, t), rounded to the precision of the kernel's input.
 glm::vec4 half_at(double s, double t) { return {glm::vec3(glm::normalize(glm::dvec3(-s, -t, 1.0))), 0.0f}; }
 
 double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) {

@@ -112,7 +112,7 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Divides errors of alpha by 10: files store square roots of alpha, and alpha is computed from sums of squares.
+// Divides errors of alpha by 10, because files store square roots of alpha, and alpha is computed from sums of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR, and the rounding of Gaussians.
-// For these inputs, a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and lobes without
-// normals.
+// The inputs are those for which a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and
+// lobes without normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -104,8 +104,8 @@ void few_points(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums
-// are the sums of an E-step, relative to mu.
+// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums are
+// those of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
@@ -179,7 +179,7 @@ std::vector<glm::vec4> directions_around(double degrees) {
   return directions;
 }
 
-// Compares the shading with the formula in double, relative to the peak of an upright lobe.
+// Compares the shading with the formula in double precision, relative to the peak of an upright lobe.
 void add_density(Device& device, const glm::vec4& lobe, double s, const std::vector<glm::vec4>& directions,
                  const std::string& input, WorstError& worst) {
   const glm::dvec4 wide(lobe);

@@ -15,7 +15,8 @@ namespace multum {
 
 struct NumericalCase {
   NumericalCaseText text;
-  /// Computes an error per input, and updates the worst error. Throws Error(kEnvironment) for errors of the device.
+  /// Computes the error for each input, and updates the worst error. Throws Error(kEnvironment) for errors of the
+  /// device.
   std::function<void(Device& device, WorstError& worst)> run;
   /// Edits of the kernels' text. Each edit removes one guard and is tested separately. If the guard is not one line of
   /// a kernel, the list is empty, and `naive` or `mutation` is set.

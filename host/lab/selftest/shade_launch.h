@@ -19,7 +19,7 @@ namespace multum {
 /// sigma^2 + |mu|^2), a). The w of directions is unused.
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
                                bool planar = false);
-/// Shades any highlight at half vectors.
+/// Shades a highlight of any kind at half vectors.
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
                                const std::vector<glm::vec4>& directions);
 

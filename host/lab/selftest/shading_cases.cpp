@@ -76,7 +76,7 @@ glm::vec4 lobe_of(double amplitude, double spread) {
 
 constexpr double kSpreads[] = {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0 - 0x1p-20, 1.0};
 
-// Compares the shading with the formula in double, relative to the peak of the lobe.
+// Compares the shading with the formula in double precision, relative to the peak of the lobe.
 void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, double s,
                      const std::vector<glm::vec4>& directions, WorstError& worst) {
   const double amplitude = static_cast<double>(lobe.w), peak = reference::product_blinn_phong(s, spread, 0.0);
@@ -138,7 +138,7 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
   }
 }
 
-// Tests GGX as a sum of vMFs with positive and negative weights, compared with the same sum in double.
+// Tests GGX as a sum of vMFs with positive and negative weights, compared with the same sum in double precision.
 void terms_of_either_sign(Device& device, WorstError& worst) {
   Highlight ggx;
   ggx.brdf.kind = BrdfKind::kGgx;

@@ -3,9 +3,9 @@
 // normals, so its exact sum is known. Tested sums are chunk sums (movmf_em_chunks.cl, movmf_em_mstep.cl), colour sums
 // (movmf_features.cl) and cell sums (movmf_binning.cl).
 //
-// A float is not sufficient: at 2^24, a sum stops growing, because the increment is less than half a unit in the last
-// place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the total. If a
-// pattern repeats, all losses have the same direction.
+// A sum in a single float is not sufficient. At 2^24, it stops growing, because the increment is less than half a
+// unit in the last place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of
+// the total. If a pattern repeats, all losses have the same direction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
 constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
-// Contains 64 rows of normals around a tilt, and their sum in double.
+// Contains 64 rows of normals around a tilt, and their sum in double precision.
 struct Band {
   std::vector<float> planes[3];
   glm::dvec3 sum = glm::dvec3(0.0);

@@ -147,7 +147,7 @@ struct Method {
   std::string name;
   gl::Material* material;
   std::optional<gl::Baseline> baseline;  // the baseline that NormalMaterial draws
-  bool flickers;                         // whether flicker is measured too
+  bool flickers;                         // whether flicker is also measured
 };
 
 class MapStudy {
@@ -212,7 +212,7 @@ class MapStudy {
     result["pictures"] = rows;
   }
 
-  // Returns the lowest of several processor times of all threads, which other programs hardly affect.
+  // Returns the lowest of several measured processor times over all threads. Other programs hardly affect this value.
   double frame_processor_ms(const Method& method, const gl::RenderScene& scene) {
     double least = 1e30;
     for (int i = 0; i < kTimedRuns; ++i) {

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kLobesMax = 8;
 constexpr float kAnisotropies[] = {1.0f, 16.0f};
 
-// The default picture of `multum-view`: sixty repetitions of the map across a plane, seen at a glancing angle.
+// Makes the default picture of `multum-view`: sixty repetitions of the map across a plane, seen at a glancing angle.
 constexpr float kRepeats = 60.0f;
 
 gl::RenderScene plane_scene() {

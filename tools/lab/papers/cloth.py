@@ -14,7 +14,7 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def constraint_sets():
-    """Lists (first vertices, second vertices, rest length, stiffness); no vertex appears twice within one entry."""
+    """Lists (first vertices, second vertices, rest length, stiffness). No vertex appears twice within one entry."""
     index = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     spacing = WIDTH / (SIDE - 1)
     sets = []
@@ -30,7 +30,7 @@ def constraint_sets():
 
 
 def drape(steps):
-    """Yields positions [SIDE, SIDE, 3] at each of `steps`, which ascend."""
+    """Yields positions [SIDE, SIDE, 3] at each of `steps`, which are in ascending order."""
     along = np.linspace(-WIDTH / 2, WIDTH / 2, SIDE)
     # slightly rotated, so that folds are not symmetric
     here = np.dstack([np.broadcast_to(along[None, :], (SIDE, SIDE)), np.broadcast_to(along[:, None], (SIDE, SIDE)),
@@ -66,7 +66,7 @@ def rest_on_sphere(here, before):
 
 
 def write_obj(path, positions, repeats):
-    """Writes a mesh with smooth normals; the map is repeated `repeats` times along each side."""
+    """Writes a mesh with smooth normals. The map is repeated `repeats` times along each side."""
     right, up = np.gradient(positions, axis=1), np.gradient(positions, axis=0)
     normals = np.cross(right, up)
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares every representation on every map with other methods: a table of picture errors and a table of frame times.
+"""Compares every representation on every map with other methods, in a table of picture errors and a table of frame
+times.
 
 With MULTUM_SHARED_DATA, the maps are the normal maps of its folder normal/. Otherwise multum generates them.
 """
@@ -36,7 +37,8 @@ def maps(study):
 
 
 def reading_of(study, path):
-    """Returns --green up for all representations if the map's statistics do not show the direction, else nothing."""
+    """Returns --green up for all representations if the map's statistics do not show the direction, otherwise
+    nothing."""
     try:
         study.bake("probe", path, "--ndf", "moments", "--no-measure")
         return ()
@@ -139,7 +141,7 @@ def draw_every_material(study):
 
 
 def draw_same_filter(study):
-    """Compares errors against two references: one averages over the texels that the filter reads, the other over the
+    """Compares errors against two references. One averages over the texels that the filter reads, the other over the
     pixel."""
     normal = study.testmap("same_filter")
     study.bake("same_filter", normal, "--green", "up", "--no-measure")

@@ -38,13 +38,13 @@ def mean(measure, shown, targets):
 
 
 def beside(rows, label):
-    """Returns the colour error of `label`, and in brackets its ratio to the first row. `rows`: label to error."""
+    """Returns the colour error of `label`, and in brackets its ratio to the first row. `rows` maps labels to errors."""
     return f"{rows[label]:.3f} ({rows[label] / next(iter(rows.values())):.2f})"
 
 
 def factors(study, rows, published):
-    """Makes a table of colour errors next to the paper's errors. `rows`: label to (colour error, further cells);
-    `published`: label to the paper's colour error. The first row is the paper's method."""
+    """Makes a table of colour errors next to the paper's errors. `rows` maps labels to (colour error, further cells).
+    `published` maps labels to the paper's colour errors. The first row is the paper's method."""
     head, further = next(iter(rows)), [name for name, _ in next(iter(rows.values()))[1]]
     study.table(["method", "colour error", "ratio to the paper's method", "published", "published ratio", *further],
                 [[label, f"{error:.3f}", f"{error / rows[head][0]:.2f}",

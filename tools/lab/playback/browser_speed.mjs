@@ -45,7 +45,7 @@ async function measure(patience) {
     await player.settled();
   }
 
-  // Only draws: decodes nothing and shows nothing.
+  // Only draws. Decodes nothing and shows nothing.
   result.draw = [];
   for (const isSmooth of [false, true]) {
     player.isSmooth = isSmooth;
@@ -94,7 +94,8 @@ async function measure(patience) {
     smallMs: drawnWith((all) => ({ ...all, width: 16, height: 12 })),
     twoLevelsMs: drawnWith((all) => ({ ...all, hasOneLevel: false })) };
 
-  // The page as a person sees it: frames at the browser's rate, with the number of sub-pixels that the page chooses.
+  // Measures the page as a person sees it, with frames at the browser's rate and the number of sub-pixels that the page
+  // chooses.
   result.cached = [];
   for (const isSmooth of [false, true]) {
     player.setSmooth(isSmooth);

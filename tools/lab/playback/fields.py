@@ -34,12 +34,12 @@ def eight_bit(linear):
 
 
 def squared_errors(frames, others):
-    """Returns the mean over red, green and blue for each pixel: float32 [frame, height, width]."""
+    """Returns the mean over red, green and blue for each pixel, as float32 [frame, height, width]."""
     return np.stack([((a.astype(np.int32) - b) ** 2).mean(axis=2, dtype=np.float32) for a, b in zip(frames, others)])
 
 
 def mse(frames, others):
-    """Mean squared error over all values of all frames."""
+    """Returns the mean squared error over all values of all frames."""
     return float(squared_errors(frames, others).mean(dtype=np.float64))
 
 
@@ -68,8 +68,8 @@ class Field:
                          for one in self.samples])
 
     def object_numbers(self):
-        """Returns the number of the job's object that covers most of each pixel, from 1; 0: none. uint8 [frame, height,
-        width]."""
+        """Returns the number of the job's object that covers most of each pixel, from 1, or 0 for none, as uint8
+        [frame, height, width]."""
         known, frames = {}, []
         for one in self.samples:
             path = self.file(one, "object_index" if "object_index" in one else "geometry")

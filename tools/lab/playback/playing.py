@@ -37,7 +37,7 @@ def quantile(values, p):
 
 
 def diagonals(counts):
-    """Lists every cell of the grid once, one diagonal after another: each frame is a step further along all
+    """Lists every cell of the grid once, one diagonal after another. Each frame is one step further along all
     parameters."""
     places = {}
     for begin in itertools.product(*map(range, counts)):
@@ -117,8 +117,8 @@ def frame_times(frames):
 
 
 def measure_playing(measurement, video_codecs, quality_of):
-    """`measurement`: a FieldMeasurement. `quality_of(codec)`: the -crf with the error most similar to the packed
-    file."""
+    """`measurement` is a FieldMeasurement. `quality_of(codec)` returns the -crf whose error is most similar to that of
+    the packed file."""
     field, programs = measurement.field, measurement.programs
 
     def packed(label, options):

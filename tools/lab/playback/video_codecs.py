@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Codes frames with video and picture codecs of Debian's ffmpeg: bytes of the stream without container, and the decoded
-frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours, exactly and equally for all
-codecs.
+"""Codes frames with video and picture codecs of Debian's ffmpeg. Gives the bytes of the stream without container, and
+the decoded frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours, exactly and
+equally for all codecs.
 """
 import os
 import pathlib
@@ -33,8 +33,8 @@ def rgb(planes):
 
 class Codec:
     def __init__(self, name, kind, key_distance, qualities, options, overhead):
-        """`kind`: ffmpeg's format of a bare stream; `qualities`: values of -crf, the best first; `overhead`: bytes
-        per frame that mark its beginning, as in a container."""
+        """`kind` is ffmpeg's format of a bare stream. `qualities` are values of -crf, the best first. `overhead` is the
+        number of bytes per frame that mark its beginning, as in a container."""
         self.name, self.kind, self.qualities, self.overhead = name, kind, qualities, overhead
         self.key_distance, self.options = key_distance, options
 

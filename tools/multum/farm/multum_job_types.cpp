@@ -9,7 +9,7 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kMiB = 1 << 20;
-constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map is 37 MB large
+constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map has 37 MB
 
 constexpr const char* kNoScene = "a map; for a scene, submit a job of type scene";
 

@@ -33,7 +33,7 @@ struct InferOptions {
   AnimationInferSettings settings;
   ParameterValues values{infer_parameters()};
   std::string job;
-  std::string shard;  // empty: infer all textures
+  std::string shard;  // share to infer; empty to infer all textures
   int merged_shards = 0;
 };
 

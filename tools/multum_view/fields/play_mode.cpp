@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns a quantile of the values by the nearest rank; `p` is in 0..1.
+/// Returns a quantile of the values by the nearest rank. `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
@@ -280,7 +280,7 @@ int play_field(const PlayOptions& options) {
   const InferredManifest field = PackedFieldFile(options.file).description().field;
   const std::vector<std::vector<double>> points = path_points(options, field.parameters);
   check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string(), points.size());
-  keep_freed_memory();  // the memory of each decoded image
+  keep_freed_memory();  // so that decoded images reuse memory
   const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   log_info(context->description());
   PathPlayer player(context->functions(), options, settings);

@@ -37,15 +37,15 @@ std::optional<PyramidLookup> lookup_of(const std::string& name) {
   if (name == "bilinear") return PyramidLookup::kBilinear;
   if (name == "level") return PyramidLookup::kLevel;
   if (name == "driver") return PyramidLookup::kDriver;
-  return std::nullopt;  // reference
+  return std::nullopt;  // the reference
 }
 
 glm::vec3 vector_of(const nlohmann::json& json) {
   return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
 }
 
-/// Returns the lights that a reflectance map was baked from. Returns none if the map holds an environment, or more
-/// lights than a shader supports: the map's finest level is then the best available reference.
+/// Returns the lights from which a reflectance map was baked. Returns none if the map holds an environment, or more
+/// lights than a shader supports. The map's finest level is then the best available reference.
 std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
   const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
   if (!header.map.provenance.source_hash.empty()) return std::nullopt;
@@ -71,7 +71,7 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  constexpr float kFieldOfView = 8.0f;  // narrow, like a distant view: the map has only one view direction
+  constexpr float kFieldOfView = 8.0f;  // narrow, like a distant view, because the map has only one view direction
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
   camera.fov_y_degrees = kFieldOfView;
@@ -86,7 +86,7 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
 /// The surfaces that the pyramid colours.
 struct Surfaces {
   gl::MeshData drawn;
-  std::optional<gl::MeshData> finest;  // the reference's surface; unset: the same as `drawn`
+  std::optional<gl::MeshData> finest;  // the reference's surface; the same as `drawn` if not set
 };
 
 class PyramidPictures {

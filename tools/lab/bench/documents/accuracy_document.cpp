@@ -127,7 +127,7 @@ std::string level_table(const Errors& errors, int level_count) {
   return text;
 }
 
-// Returns one line of the summary, with levels 3 / 5 / 7.
+// Returns one line of the summary, with the errors of levels 3 / 5 / 7.
 std::string summary_line(const std::string& name, const Errors& errors) {
   std::string text = "| " + name + " |";
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
@@ -275,8 +275,8 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
          rows;
 }
 
-// Table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher by
-// more than 0.05 points.
+// Makes a table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher
+// by more than 0.05 points.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;

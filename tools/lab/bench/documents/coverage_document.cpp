@@ -41,7 +41,7 @@ void add_brdf(const AccuracyMeter& meter, std::size_t brdf, Held& held) {
   const auto count = static_cast<double>(meter.replicate_errors().size());
   for (const std::vector<FootprintError>& replicate : meter.replicate_errors()) {
     const FootprintError& one = replicate[brdf];
-    // The mean of all choices contains this choice, which lowers the difference by a factor of sqrt(1 - 1 / n).
+    // The mean of all choices includes this choice, which lowers the difference by a factor of sqrt(1 - 1 / n).
     const double off = std::abs(one.error - whole) / std::sqrt(1.0 - 1.0 / count);
     held.held += off <= one.confidence ? 1 : 0;
     ++held.all;

@@ -61,7 +61,7 @@ std::vector<Direction> hemisphere() {
   return all;
 }
 
-using Values = std::vector<double>;  // one value per direction
+using Values = std::vector<double>;  // has one value per direction
 
 Values each(const std::vector<Direction>& directions, const std::function<double(double theta)>& value) {
   Values values;
@@ -103,7 +103,7 @@ class ShadingKernels {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
     const MultumHighlight highlight =
-        shaded_highlight(exponent);  // begins with the exponent, the only part that moments use
+        shaded_highlight(exponent);  // adds the exponent first, because moments use only this value
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");

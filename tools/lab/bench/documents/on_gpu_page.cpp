@@ -191,7 +191,7 @@ std::string bench_text(const Json& result, const std::string& beginning) {
   return text;
 }
 
-// Lists the most important figures.
+// Lists the most important results.
 std::string summary_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> em = steps_named(result, "em "), bakes = steps_named(result, "bake ");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads the JSON file of a benchmark: program and machine first, then the figures. The sources of
-// docs/evidence/BENCHMARKS.md are such files.
+// Writes and reads the JSON file of a benchmark: program and machine first, then the figures.
+// docs/evidence/BENCHMARKS.md is made from such files.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -21,7 +21,7 @@ nlohmann::ordered_json read_result(const std::string& path);
 /// cores, 23 GiB of memory, Debian GNU/Linux 12 (bookworm)."
 std::string conditions_text(const nlohmann::ordered_json& result);
 
-/// Throws exceptions of nlohmann if a result lacks a key.
+/// Throws exceptions of nlohmann if a key is missing in a result.
 ResultView view_of(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench

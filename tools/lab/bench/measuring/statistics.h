@@ -17,7 +17,7 @@ struct Spread {
 /// empty.
 Spread spread_of(std::vector<double> values);
 
-/// Converts to {"median": 1.0, "quartiles": [0.9, 1.2]}.
+/// Converts to JSON: {"median": 1.0, "quartiles": [0.9, 1.2]}.
 nlohmann::ordered_json spread_json(const Spread& spread);
 Spread parse_spread(const nlohmann::ordered_json& json);
 

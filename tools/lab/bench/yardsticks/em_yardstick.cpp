@@ -14,9 +14,8 @@
 namespace multum::bench {
 namespace {
 
-// Lanes per register. GCC splits wider vectors into registers for arithmetic, but compares and selects lane by lane:
-// with
-// 16 lanes on AVX2, this file took 5.7 times as long as with AVX-512.
+// Lanes per register. GCC splits wider vectors into registers for arithmetic, but compares and selects lane by lane.
+// With 16 lanes on AVX2, the code of this file therefore took 5.7 times as long as with AVX-512.
 #ifdef __AVX512F__
 constexpr int kLanes = 16;
 #else
@@ -54,7 +53,7 @@ float sum_v(V v) {
 }
 
 // Flushes subnormal floats to 0 in this thread, until the object goes out of scope. Shares of lobes far from a normal
-// are subnormal, and Intel's processors compute with subnormal floats a hundred times slower. The kernels avoid
+// are subnormal, and Intel's processors compute with subnormal floats a hundred times more slowly. The kernels avoid
 // subnormal floats (movmf_em.clh).
 class FlushedToZero {
  public:
@@ -244,7 +243,7 @@ void fit_texel(const YardstickLevel& level, int texel, float* out) {
   const int chunks = (side + rows_per_chunk - 1) / rows_per_chunk;
   const int x0 = texel % level.level_width * side, y0 = texel / level.level_width * side;
   const float inverse_count = 1.0f / (static_cast<float>(side) * static_cast<float>(side));
-  // The start of this texel, copied to all lanes.
+  // The start of this texel is copied to all lanes.
   std::vector<float> start(static_cast<std::size_t>(kLobes * MULTUM_START_PLANES * MULTUM_GROUP));
   const float* from =
       level.start + static_cast<std::size_t>(texel / MULTUM_GROUP) * start.size() + texel % MULTUM_GROUP;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of the EM kernels: the same sums in plain, readable C++ with OpenMP and vectors as wide as a register
-// (GCC's vector extensions, compiled for AVX-512 and for AVX2).
+// The yardstick of the EM kernels. It computes the same sums in plain, readable C++ with OpenMP and vectors as wide as
+// a register (GCC's vector extensions, compiled for AVX-512 and for AVX2).
 #pragma once
 
 #include <cstddef>

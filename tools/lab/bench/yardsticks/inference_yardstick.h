@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of texture inference: Eigen's conjugate gradient for least squares in single precision, with its
-// diagonal preconditioner, compiled for this machine and with OpenMP.
+// The yardstick of texture inference. It uses Eigen's conjugate gradient for least squares in single precision, with
+// its diagonal preconditioner, and is compiled for this machine and with OpenMP.
 #pragma once
 
 #include <memory>
