@@ -29,8 +29,8 @@ inline glm::dmat4 matrix_from_json(const nlohmann::json& json) {
   return m;
 }
 
-/// Throws nlohmann::json::exception, and Error(kInput) for values beyond OpenGL's range, because the number of draws
-/// grows with the width of footprints.
+/// Throws nlohmann::json::exception. Throws Error(kInput) for values beyond OpenGL's range, because wide footprints
+/// would take too many draws.
 inline float anisotropy_from_json(const nlohmann::json& json) {
   const auto anisotropy = json.get<double>();
   if (!(anisotropy >= 1.0 && anisotropy <= 16.0))

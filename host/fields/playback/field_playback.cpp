@@ -91,7 +91,7 @@ void FieldPlayback::reserve(std::size_t bytes) {
                           bytes, memory_.bytes_max() - memory_.bytes(), memory_.bytes_max()));
 }
 
-// ---- what a point needs
+// ---- the images that a point needs
 
 std::optional<FieldPlayback::Place> FieldPlayback::place_of(std::size_t layer, std::size_t sample) const {
   const PackedLayer& described = description().layers[layer];
@@ -182,7 +182,7 @@ const DecodedImage& FieldPlayback::decoded(ImageKey key) const {
   const Lock lock(mutex_);
   const Image& image = images_.at(key);
   MULTUM_CHECK(image.state == ImageState::kDecoded);
-  return image.decoded;  // no other thread uses it
+  return image.decoded;  // no other thread uses a decoded image
 }
 
 void FieldPlayback::uploaded(ImageKey key) {

@@ -38,7 +38,7 @@ struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
   /// Maximum number of texels in all images together. The limit bounds a decoder's time and memory.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
-  /// Most terms in the sums of all samples together.
+  /// The most terms in the sums of all samples together.
   static constexpr std::size_t kTermsMax = std::size_t{1} << 22;
   static constexpr std::size_t kBasisMax = 64;  // images of a basis
 
@@ -60,7 +60,7 @@ struct TextureChunkFormat {
   /// Factors of all steps of a level, 2^(code / 8 - 8).
   std::vector<std::uint8_t> level_codes;
 
-  /// Returns the required size of step_codes.
+  /// Returns the size that step_codes must have.
   std::size_t step_code_count() const;
   /// Returns the steps of the places of a cosine block, [v][u], or of the bands.
   std::vector<float> steps() const;

@@ -46,7 +46,7 @@ class WaveletPlane {
   std::vector<std::uint32_t> magnitudes;
   std::vector<std::uint8_t> negative, known;
 
-  /// Calls visit(place) for each significant coefficient, row by row, until visit returns false; then returns false.
+  /// Calls visit(place) for each significant coefficient, row by row. If visit returns false, stops and returns false.
   /// Significant coefficients are rare, so whole words of bits are skipped.
   template <class Visit>
   bool over_found(Visit visit) const {
@@ -126,8 +126,8 @@ class WaveletSyntax {
     int below_highest;
   };
 
-  /// Codes which coefficients become significant under a node. `certain`: at least one coefficient does. Returns false
-  /// at the stream's end.
+  /// Codes which coefficients become significant under a node. If `certain`, at least one coefficient does. Returns
+  /// false at the stream's end.
   template <class Port, class Ended>
   bool find(Visit<Port, Ended>& visit, std::size_t level, std::size_t x, std::size_t y, bool certain,
             std::size_t found) {
@@ -164,7 +164,8 @@ class WaveletSyntax {
                     bool is_here) {
     const auto& plane = visit.plane;
     const auto& tree = plane.trees()[visit.tree];
-    const auto at = [&](std::size_t nx, std::size_t ny) -> std::size_t {  // wraps below zero: exceeds every width
+    const auto at = [&](std::size_t nx, std::size_t ny) -> std::size_t {  // wraps around below zero and then exceeds
+                                                                          // every width
       return plane.significant(visit.tree, level, nx, ny) ? 1 : 0;
     };
     const std::size_t row = at(x - 1, y) + at(x + 1, y), column = at(x, y - 1) + at(x, y + 1);

@@ -5,7 +5,7 @@
 // Both branches have value 0 and second derivative 2 / s^2 at l = s: f is smooth enough for conjugate gradient. As l^2
 // = e^T R^T R e, dl/dR = (R e) e^T / l, and
 //     grad f = sum W g'(l) / l (R e) e^T.
-// The search is for Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
+// The search finds Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
 // mesh scales u and v.
 #include "host/fields/inference/mapping/isometric_map.h"
 
@@ -43,9 +43,9 @@ class Objective {
   bool is_diagonal_;
 };
 
-// Returns a point on the ray where the slope has fallen to a tenth. Doubles the step until it passes the minimum. Then
-// uses the secant between both sides, at least a tenth away from either side. f is infinite where an edge vanishes, so
-// a minimum is always passed.
+// Returns a point on the ray where the slope has fallen to a tenth. Doubles the step until it passes the minimum; there
+// is always one, because f is infinite where an edge vanishes. Then applies the secant method, but stays at least a
+// tenth of the interval away from both of its ends.
 Point line_minimum(const Objective& objective, const Point& start, const glm::dmat2& direction, double* step) {
   constexpr int kTries = 40;
   const double slope_start = dot(start.gradient, direction);

@@ -164,7 +164,7 @@ class InferencePipeline {
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
     for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
-    // Reuses the system if the same pixels have weight.
+    // Reuses the previous system if the same pixels have weight.
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
       for (std::size_t i = 0; i < point.samples.size() && is_same; ++i)
@@ -217,7 +217,7 @@ class InferencePipeline {
     return hash.finish();
   }
 
-  // Returns the texels of an earlier run with this key; empty: the texture must be inferred.
+  // Returns the texels of an earlier run with this key. They are empty if the texture must be inferred.
   std::vector<float> texels_there(const std::string& path, const std::string& key) const {
     if (settings_.force || settings_.damaged.contains(path) || provenance_key(path) != key) return {};
     try {

@@ -160,7 +160,7 @@ TextureResult texture_from(const Json& json, const PointName& name, const Parame
 struct CheckedShare {
   AnimationInferResult result;
   std::set<std::string> damaged;  // paths
-  std::string why;                // fault of the first damaged texture; empty: all are intact
+  std::string why;                // fault of the first damaged texture; empty if all are intact
 };
 
 class RecordReader {
@@ -168,7 +168,7 @@ class RecordReader {
   RecordReader(const ParameterizedScene& field, const AnimationInferSettings& settings, const ShareWork& work)
       : field_(field), settings_(settings), work_(work) {}
 
-  // Throws Error(kEnvironment) naming the record and the command that makes it again.
+  // Throws Error(kEnvironment), which names the record and the command that makes it again.
   CheckedShare read(const ShareName& name, const std::string& key) const {
     const Json content = read_share_record(name, key);
     try {
@@ -243,7 +243,7 @@ void add_times(const StageSeconds& from, StageSeconds& to) {
     to.*member += from.*member;
 }
 
-// Counts points and matrices that several shares used only once.
+// Counts points and matrices only once, even if several shares used them.
 void add_result(AnimationInferResult&& from, AnimationInferResult& to) {
   if (to.renderer.empty()) to.renderer = from.renderer;
   if (to.device.empty()) to.device = from.device;

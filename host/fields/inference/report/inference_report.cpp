@@ -245,7 +245,7 @@ Json inference_figures(const InferenceReport& report) {
   Json json;
   json["software"] = std::string("multum ") + MULTUM_VERSION;
   json["job"] =
-      // No folder names, because reports are sent to others.
+      // Contains no folder names, because users send reports to others.
       text_of_path(std::filesystem::path(job.path).filename().string());
   json["device"] = result.device;
   json["renderer"] = result.renderer;

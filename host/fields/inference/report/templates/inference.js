@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. C++ adds `samples` with their
-// places on the parameter grid, `pictures`, and the `texels` of layers.
+// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. The C++ code adds `samples` with
+// their places on the parameter grid, `pictures`, and the `texels` of layers.
 
 // Seconds per point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
 // .93 s, obtaining matrix A 2.15 min, solving for textures 2.68 min.
@@ -8,7 +8,7 @@ const PAPER_SECONDS = { mapping: 0.93, probing: 2.15 * 60, solving: 2.68 * 60 };
 const NONE = "\u2013";
 
 const { objects, layers, frames, comparison, parameters, samples, pictures, seconds } = data;
-// Formats three digits; null: there is no value.
+// Formats a number with three digits; null means that there is no value.
 const mse = (value) => (value === null ? NONE : value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0));
 const secondsText = (value) => value.toFixed(value < 9.95 ? 2 : 1);
 const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
