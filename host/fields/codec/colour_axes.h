@@ -16,8 +16,8 @@ struct ColourAxes {
   std::array<std::int16_t, 4> quaternion{32767, 0, 0, 0};
 };
 
-/// `textures`: [texel][3] each; `weights`: one per texel, at least 0. If all weights are 0, the axes are red, green and
-/// blue.
+/// Each of the `textures` is [texel][3]. `weights` has one weight per texel, at least 0. If all weights are 0, the axes
+/// are red, green and blue.
 ColourAxes colour_axes(const std::vector<std::vector<float>>& textures, const std::vector<float>& weights);
 
 }  // namespace multum

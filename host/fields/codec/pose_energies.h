@@ -14,8 +14,8 @@
 namespace multum {
 
 /// Chooses some of the poses in which an object is seen from the same place. Every cell of texels is seen in one of the
-/// chosen poses nearly as well as in any pose. `cell_masses`: [pose][cell], cell_sums of texel_masses. Returns
-/// ascending indices of poses.
+/// chosen poses nearly as well as in any pose. `cell_masses`, [pose][cell], are the cell_sums() of texel_masses().
+/// Returns ascending indices of poses.
 std::vector<std::size_t> poses_to_measure(const std::vector<std::vector<float>>& cell_masses);
 
 class PoseEnergies {
@@ -23,7 +23,7 @@ class PoseEnergies {
   PoseEnergies() = default;
   explicit PoseEnergies(std::size_t pose_count) : poses_(pose_count) {}
 
-  /// `energies`: from coefficient_energies(), for textures of the layout's size; `masses`: from texel_masses().
+  /// `energies` come from coefficient_energies(), for textures of the layout's size, and `masses` from texel_masses().
   void set_measured(std::size_t pose, const CoefficientLayout& layout, std::vector<float> energies,
                     const std::vector<float>& masses);
 

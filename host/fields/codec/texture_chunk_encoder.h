@@ -35,8 +35,8 @@ using CoefficientWeights = std::function<std::vector<float>(std::size_t sample)>
 struct ChunkSettings {
   ImageCoder coder = ImageCoder::kDct;
   std::size_t side = 16;  // side of cosine blocks: 8, 16 or 32
-  /// The levels of the pyramid, as in ParameterPyramid::of. Empty: a basis of at most `basis_images` images is learnt
-  /// from the block instead (Karhunen-Loeve transform over the samples).
+  /// The levels of the pyramid, as in ParameterPyramid::of. If empty, a basis of at most `basis_images` images is
+  /// learnt from the block instead (Karhunen-Loeve transform over the samples).
   std::vector<ParameterPyramid::Halvings> levels;
   std::size_t basis_images = 8;
   bool linear = false;

@@ -44,7 +44,7 @@ constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
 constexpr std::size_t kReasonMax = 400;  // bytes
-constexpr std::size_t kWaitingMax = 64;  // jobs: usually about a minute
+constexpr std::size_t kWaitingMax = 64;  // number of waiting jobs, which usually take about a minute
 
 [[noreturn]] void refuse(const std::string& why) { throw Refusal{404, "no_picture", why}; }
 
@@ -70,7 +70,7 @@ std::string last_line(const std::string& path) {
   return last.substr(0, kReasonMax);
 }
 
-// Returns the number at the beginning of a folder's name; 0 if there is none.
+// Returns the number at the beginning of a folder's name, or 0 if there is none.
 std::int64_t id_of(const std::string& name) {
   std::int64_t id = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
@@ -116,7 +116,7 @@ std::vector<std::string> confined(const JobRoots& roots, const std::string& fold
 JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots& roots)
     : io_(io), data_(data), folder_(data.path() + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
-  // Views that an earlier daemon could not make are tried once more: the cause of the failure may be gone.
+  // Views that an earlier daemon could not make are tried once more, because the cause of the failure may be gone.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     if (id_of(entry.path().filename()) == 0 || !has_view(entry.path())) fs::remove_all(entry.path(), ignored);
@@ -203,7 +203,7 @@ std::vector<std::string> JobPictures::map_options(const Request& request) const 
     } catch (const Error& error) {
       if (parameter != view.maps.front().first) continue;
       if (!view.first_map_is_for.empty()) refuse(view.first_map_is_for + ": " + error.what());
-      break;  // missing: only the render remains
+      break;  // the map is missing, so only the render remains
     }
   }
   return options;
@@ -261,7 +261,7 @@ void JobPictures::make(const Request& request) {
   };
   check_result();
   if (is_made(request)) return;
-  remove_folder(request.folder);  // made from other maps
+  remove_folder(request.folder);  // the pictures were made from other maps
   data_.check_room(1);
   make_folder(folder_);  // the folder may have been removed
   const std::string unfinished = folder_ + "/unfinished";
@@ -292,7 +292,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
 
 void JobPictures::run(const Request& request, const std::string& folder) {
   const JobView& view = request.view;
-  // Written before the maps are read: if a map changes afterwards, the view is made again.
+  // Written before the maps are read, so that the view is made again if a map changes afterwards.
   write_text_file(folder + "/" + kSources, sources_of(request));
   const std::vector<std::string> words = command(request, folder);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};

@@ -17,7 +17,7 @@ namespace multum {
 class ResultArchive : public HttpBody {
  public:
   /// Blocks. Archives an open folder; its files are named NAME/... in the archive. Throws Error(kUsage) when the folder
-  /// was not published, or a file has changed; Error(kEnvironment) when that cannot be determined.
+  /// was not published, or a file has changed. Throws Error(kEnvironment) when this cannot be determined.
   ResultArchive(OpenFile folder, std::string name, const ResultSeal& seal);
 
   std::uint64_t bytes() const override { return bytes_; }
@@ -40,7 +40,7 @@ class ResultArchive : public HttpBody {
   std::string name_, etag_;
   std::vector<File> files_;
   std::size_t next_ = 0;
-  std::uint64_t bytes_ = 0, left_ = 0;  // `left_`: remaining bytes of the open file
+  std::uint64_t bytes_ = 0, left_ = 0;  // `left_` is the rest of the open file
   std::string pending_;                 // headers and padding, not yet sent
   std::size_t sent_ = 0;                // of `pending_`
   bool is_open_ = false, is_ended_ = false;

@@ -38,7 +38,7 @@ std::optional<Json> read_json(const std::string& path) {
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
 
-// Returns nullopt also for values of wrong types.
+// Returns nullopt for values of wrong types, too.
 template <typename Value, typename Read>
 std::optional<Value> read_as(const std::string& path, const Read& read) {
   try {
@@ -204,7 +204,7 @@ SlurmFolder::SlurmFolder(const std::string& folder, const std::string& instance)
 
 void SlurmFolder::prepare() const {
   make_folder(path_);
-  // Slurm accepts only scripts: this one runs the words that follow it.
+  // Slurm accepts only scripts. This one runs the words that follow it.
   if (!fs::exists(script())) write_text_file(script(), "#!/bin/sh\nexec \"$@\"\n");
 }
 

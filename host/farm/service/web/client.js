@@ -5,7 +5,7 @@ import { errorText } from "./error_text.js";
 import { byId, setText } from "./nodes.js";
 
 const TOKEN = "multum-token";
-const PATIENCE_MS = 70000; // the service allows a minute for pictures
+const PATIENCE_MS = 70000; // longer than the minute that the service allows for pictures
 
 export class Refused extends Error {
   constructor(status, message) {
@@ -16,7 +16,7 @@ export class Refused extends Error {
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 
-let asking = null; // the dialog for the token, one for all refused requests
+let asking = null; // the dialog for the token; all refused requests share it
 
 function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {

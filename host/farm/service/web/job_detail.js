@@ -7,7 +7,7 @@ import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText,
   outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
 
 const LOG_SHOWN = 200000; // characters from the end of the log
-const LOG_LARGE = 1000000; // a longer log is read every ten seconds, not every two
+const LOG_LARGE = 1000000; // a log longer than this is read every ten seconds instead of every two
 
 const table = (head, rows) => node("div", { class: "scroll" }, node("table", {},
   node("thead", {}, node("tr", {}, ...head.map((one) => node("th", { scope: "col" }, one)))),
@@ -17,7 +17,7 @@ const facts = (pairs) => node("dl", { class: "facts" },
   ...pairs.filter(([, value]) => value !== "").flatMap(([name, value]) =>
     [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
 
-// For unfinished parts: Slurm's state and the progress.
+// For unfinished parts, shows Slurm's state and the progress.
 function partState({ state, slurm_state: slurmState, progress }) {
   if (state !== "sent") return state;
   const share = progress && progress.total ? ` ${Math.floor((100 * progress.done) / progress.total)} %` : "";
@@ -50,7 +50,7 @@ export class JobDetail {
   async open(id) {
     this.close();
     this.number = id;
-    this.wasTold = false; // a change was reported during a request: its answer may be older
+    this.wasTold = false; // a change was reported during a request, whose answer may be older
     let job;
     try {
       job = await ask("GET", `/v1/jobs/${id}`);

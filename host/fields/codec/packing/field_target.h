@@ -26,7 +26,7 @@ constexpr double kDefaultRatio = 384.0;
 constexpr double kAddedErrorMax = 3.0;
 
 /// Returns the error that packing may add, as in FieldTarget::mse, so that the added error stays below kAddedErrorMax
-/// times the inferred textures' error. `inferred_mse`: over all pixels of all frames, 8-bit sRGB units.
+/// times the inferred textures' error. `inferred_mse` is the error over all pixels of all frames, in 8-bit sRGB units.
 double error_limit(double inferred_mse);
 
 struct FieldMeasure {

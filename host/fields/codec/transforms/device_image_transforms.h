@@ -35,7 +35,7 @@ class DeviceImageTransforms : public ImageTransforms {
   const std::size_t batch_bytes_;
   std::mutex mutex_;
   Kernel colour_planes_, dct_rows_, dct_columns_, wavelet_lift_;
-  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // `other_`: the planes that a step writes
+  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // a step writes its planes to `other_`
 };
 
 }  // namespace multum

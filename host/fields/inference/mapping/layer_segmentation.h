@@ -21,7 +21,8 @@ struct SegmentationSettings {
   double coverage_whole = static_cast<double>(kWholeCoverage);  // (0.5, 1]
   double coverage_min = 1.0 / 64;  // [0, 1): pixels with less coverage are left out of the object's layer
   double radiance_max = 1.0;       // > 0
-  double radiance_min = -1e-3;     // <= 0: lower values are errors; higher negative values are the renderer's ringing
+  double radiance_min = -1e-3;     // at most 0; lower values are errors, higher negative values are the renderer's
+                                   // ringing
   int threads = 0;                 // number of threads; <= 0 means one per core
 };
 
