@@ -4,7 +4,8 @@
 // not depend on the number of threads.
 //
 // All kernels are memory bound. An iteration therefore passes over its vectors only three times: to compute alpha, to
-// compute beta, and for the update that needs both. The preconditioned residual is computed twice instead of stored.
+// compute beta, and to make the update that needs both. The preconditioned residual is computed twice instead of being
+// stored.
 
 // The range of texels that a work-item sums over.
 int part_begin(int texel_count, int part, int part_count) { return (int)(((long)texel_count * part) / part_count); }
