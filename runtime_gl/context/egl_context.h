@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The EGL back-end: tries EGL_MESA_platform_surfaceless and every device of EGL_EXT_device_enumeration. The display
-// must have EGL_KHR_no_config_context and EGL_KHR_surfaceless_context.
+// Defines the EGL back-end, which tries EGL_MESA_platform_surfaceless and every device of EGL_EXT_device_enumeration.
+// The display must have EGL_KHR_no_config_context and EGL_KHR_surfaceless_context.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@ struct EglOffer {
   std::string reason;       // why not
 };
 
-/// Lists the displays; opens and closes a context on each of them. Throws Error(kEnvironment) if libEGL.so.1 is
+/// Lists the displays. Opens and closes a context on each of them. Throws Error(kEnvironment) if libEGL.so.1 is
 /// missing.
 std::vector<EglOffer> list_egl_offers();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assigns texture units in order; a texture and the sampler that reads it get the same unit.
+// Assigns texture units in order. A texture and the sampler that reads it get the same unit.
 #pragma once
 
 #include <optional>

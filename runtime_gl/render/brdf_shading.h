@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF in a shader: the files of shaders/brdf with its flag, its uniforms, and the table for GGX.
+// Defines a BRDF in a shader: the files of shaders/brdf with its flag, its uniforms, and the table for GGX.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@ class BrdfShading {
  public:
   explicit BrdfShading(const GlFunctions& gl) : gl_(gl) {}
 
-  /// `zonal_order`: the material's order (Material::zonal_order). Uses texture units from `first_unit` on and returns
+  /// `zonal_order` is the material's order (Material::zonal_order). Uses texture units from `first_unit` on and returns
   /// the next free one. Caches fits and integrals.
   int set(const ShaderProgram& shader, const Brdf& brdf, const std::shared_ptr<const RoughnessMap>& roughness,
           int zonal_order, int first_unit);

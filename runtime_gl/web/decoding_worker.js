@@ -4,7 +4,8 @@
 // the worker restarts the module.
 //
 //   gets { wasm }                                                 bytes of packed_field.wasm, once
-//   gets { id, chunk, bytes, texture, textures, width, height }   bytes: null if the worker should still have the chunk
+//   gets { id, chunk, bytes, texture, textures, width, height }   bytes is null if the worker should still have the
+//   chunk
 //   answers { id, levels, memory } | { id, isGone, memory } | { id, problem, memory }   levels: halves, all mip levels
 import { loadDecoder } from "./packed_field.js";
 import { chunkHead } from "./chunk_head.js";

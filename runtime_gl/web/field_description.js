@@ -144,7 +144,7 @@ export class FieldDescription {
     const layer = { name: check.text(entry.name, where), object, number: this.layers.length, blocks: [] };
     const unseen = new Set(check.list(entry.unseen, where).map((one) =>
       check.integer(one, where, 0, this.samples.length - 1)));
-    // Each sample's block, and its texture in the block's chunk; -1: none.
+    // Each sample's block, and its texture in the block's chunk, or -1 if it has none.
     layer.blockOfSample = new Int32Array(this.samples.length).fill(-1);
     layer.textureOfSample = new Int32Array(this.samples.length);
     layer.isSeen = Uint8Array.from(this.samples, (_, i) => (unseen.has(i) ? 0 : 1));

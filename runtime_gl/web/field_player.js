@@ -30,7 +30,7 @@ export class FieldPlayer {
     this.exposure = 1;
     this.cancelFrame = null; // set while a picture waits to be drawn
     this.movedAt = -Infinity;
-    this.hasMoved = true; // since the last picture
+    this.hasMoved = true; // true if the position has moved since the last picture
     this.failed = new Set(); // names of chunks that are damaged or cannot be fetched
     this.refused = new Set(); // keys of textures that do not fit into the budget
     this.statistics = { frames: 0, decoded: 0, decodeMs: 0, misses: 0 };
@@ -83,7 +83,7 @@ export class FieldPlayer {
     if (uvs) gl.deleteBuffer(uvs);
   }
 
-  // ---- Where we are
+  // ---- The position
 
   /** Sets the fractional index along each parameter, clamped to the grid. */
   moveTo(at) {
@@ -252,7 +252,7 @@ export class FieldPlayer {
     if (this.cancelFrame !== null) return;
     this.cancelFrame = onNextFrame((now) => {
       this.cancelFrame = null;
-      // Browsers accept some pictures before a slow driver has drawn them: such pictures would be shown late, and their
+      // Browsers accept some pictures before a slow driver has drawn them. Such pictures would be shown late, and their
       // measured times would be too short.
       if (this.gl.isBusy()) this.requestDraw();
       else this.drawNow(now);

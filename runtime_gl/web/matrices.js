@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 4 x 4 matrices, sixteen numbers column by column; interpolation of cameras and places between samples.
+// Computes with 4 x 4 matrices, sixteen numbers column by column. Interpolates cameras and places between samples.
 
 export function identity() {
   const matrix = new Float64Array(16);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws textured objects by WebGL 2 as runtime_gl/animation does by desktop GL (runtime_gl/shaders/textured.vert and
-// .frag). Looks up radiance in textures of halves with mip levels, adds it up and lights nothing. Averages
-// supersampling^2 sub-pixels per pixel in linear light, and encodes the result as sRGB.
+// Draws textured objects with WebGL 2, in the same way as runtime_gl/animation with desktop GL
+// (runtime_gl/shaders/textured.vert and .frag). Looks up radiance in textures of halves with mip levels, adds it up,
+// and computes no lighting. Averages supersampling^2 sub-pixels per pixel in linear light, and encodes the result as
+// sRGB.
 
 const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
 const SUB_PIXELS_MAX = 1 << 24; // limit for the framebuffer; each has 8 bytes of colour and 4 of depth
@@ -18,7 +19,7 @@ void main() {
   gl_Position = u_object_to_clip * vec4(a_position, 1.0);
 }`;
 
-// In this GLSL, only constants may index samplers.
+// In the GLSL of WebGL 2, only constants may index samplers.
 const objectFragment = (count) => `#version 300 es
 precision highp float;
 precision highp sampler2D;
@@ -78,7 +79,7 @@ export class PlayerGl {
     this.screen = this.program(SCREEN_VERTEX, MEAN_FRAGMENT);
     this.nothing = gl.createVertexArray();
     this.target = null;
-    this.fences = []; // after pictures that the driver may still be drawing
+    this.fences = []; // fences after pictures that the driver may still be drawing
   }
 
   program(vertex, fragment) {

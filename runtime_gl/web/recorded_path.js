@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A path through the parameters that the user records, plays again and saves as JSON
+// Records a path through the parameters, which the user can play again and save as JSON
 // (docs/reference/packed_fields.md, "Recorded paths"):
 //   { "multumPath": 1, "parameters": ["view", "light"], "positions": [[0, 0.5, 3], ...] }
 // A position contains the seconds since the first position, and then a fractional index along each parameter.

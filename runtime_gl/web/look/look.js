@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of multum look: its controls, its view, and dropped files. Text from files only goes into text nodes.
+// Runs the page of multum look: its controls, its view, and dropped files. Text from files only goes into text nodes.
 const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["export", "one-lobe export"],
   ["lobes", "lobes"]];
 const DEGREE = Math.PI / 180;
@@ -73,7 +73,7 @@ class LookPage {
     this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
     this.gl = this.makeGl();
     this.dropped = null; // a dropped map
-    this.drawn = 0; // number of drawn frames, by which longer tasks notice that the view has changed
+    this.drawn = 0; // number of drawn frames, from which longer tasks see that the view has changed
     this.addLoss();
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
@@ -185,7 +185,7 @@ class LookPage {
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("measure").addEventListener("click", () => this.measure());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
-    // Uses the event's address, because a waiting frame may already have restored the previous view in the page's
+    // Uses the event's address, because a waiting frame may already have written the previous view into the page's
     // address.
     addEventListener("hashchange", (event) => {
       const { hash } = new URL(event.newURL);
@@ -259,7 +259,7 @@ class LookPage {
     });
   }
 
-  // The middle of the picture is overhead; its edges are near the horizon.
+  // The middle of the picture is straight above; its edges are near the horizon.
   lightAt(x, y) {
     const box = byId("stage").getBoundingClientRect();
     const right = 2 * (x - box.left) / box.width - 1, up = 1 - 2 * (y - box.top) / box.height;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that the user drops onto the page or opens by its button: finds their type, and decodes .ndf.exr in a worker.
+// Handles files that the user drops onto the page or opens with its button. Finds their type, and decodes .ndf.exr in a
+// worker.
 const FILE_BYTES_MAX = 256e6;
 const DECODING_MS_MAX = 120000;
 const NORMALS_APART_MAX = 0.1; // root mean square difference of x and y; different maps differ several times as much

@@ -10,7 +10,7 @@
 const EXR_MAGIC = [0x76, 0x2f, 0x31, 0x01];
 const EXR_MULTI_PART = 0x1000, EXR_TILED = 0x200;
 const EXR_PARTS_MAX = 32, EXR_ATTRIBUTES_MAX = 100, EXR_NAME_MAX = 255;
-const EXR_SIDE_MAX = 2048; // same limit as multum look: the page holds a whole map
+const EXR_SIDE_MAX = 2048; // same limit as in multum look, because the page holds a whole map
 const EXR_TILE_MAX = 1024;
 const EXR_VALUE_MAX = 1.01; // limit for values of lobes and normals, which are at most 1 before rounding
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
@@ -144,7 +144,7 @@ function exrPlan(bytes) {
   const lobesFrom = Math.max(firstLevel, 1), parts = new Map();
   let at = cursor.at;
   headers.forEach((header, number) => {
-    // The part of a single-part file may have no name: it is a single lobe.
+    // The part of a single-part file may have no name; it is then the only lobe.
     const name = isMultiPart ? exrString(header, "name") : "lobe.0";
     if (parts.has(name)) exrRefuse(`two parts ${name}`, "one of each name");
     const from = name === "finest" ? 0 : lobesFrom;
@@ -220,7 +220,7 @@ const exrFloat = new Float32Array(1), exrBits = new Uint32Array(exrFloat.buffer)
 function exrHalf(value) {
   exrFloat[0] = Math.abs(value);
   const magnitude = exrBits[0], sign = value < 0 ? 0x8000 : 0;
-  if (magnitude < 0x38800000) { // steps of 2^-24: adding 1/2 rounds to them
+  if (magnitude < 0x38800000) { // such halves have steps of 2^-24; adding 1/2 rounds to these steps
     exrFloat[0] += 0.5;
     return sign | (exrBits[0] - 0x3f000000);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a plane, or a model with the map on it, by WebGL 2 with the same shading as multum-view (runtime_gl/shaders):
-// lobes or one normal per texel. Draws each method to a texture. The screen shows one method left and one right of a
-// divider, or their difference.
+// Draws a plane, or a model with the map on it, with WebGL 2 and the same shading as multum-view (runtime_gl/shaders):
+// lobes, or one normal per texel. Draws each method to a texture. The screen shows one method to the left and one to
+// the right of a divider, or their difference.
 const FILTER = { taps: 4, bias: -0.5 }; // docs/evidence/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es
@@ -11,7 +11,7 @@ void main() {
 
 // The light that the surface at st sends to the eye.
 const LOOK_SHADED = `
-uniform float u_locked_level;  // level of the surface's texture; below -100: none
+uniform float u_locked_level;  // level of the surface's texture to show; below -100 if none is chosen
 vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
   MultumFootprint footprint = multum_surface_footprint(st);
   if (u_locked_level > -100.0) footprint.level = u_locked_level;
@@ -119,7 +119,7 @@ class LookGl {
     this.nothing = gl.createVertexArray();
     gl.bindVertexArray(this.nothing);
     this.screen = this.program(SCREEN_VERTEX, SCREEN_FRAGMENT);
-    this.model = null; // drawn in place of the plane: an array of vertices and their count
+    this.model = null; // the model drawn in place of the plane: an array of vertices and their count
     this.oneNormal = this.programs(["MULTUM_ROUGHNESS_TEXTURE"], shaders.oneNormal, ONE_NORMAL);
     this.ggxTable = this.texture(gl.TEXTURE_2D, gl.RGBA16F, { width: 32, height: 32 }, 1, gl.CLAMP_TO_EDGE, () =>
       gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 32, 32, gl.RGBA, gl.HALF_FLOAT, table));
@@ -206,7 +206,7 @@ class LookGl {
       (level, l) => gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.UNSIGNED_BYTE,
         level.bytes)));
     // Counts the bytes of BC5 and BC4, which engines store, although the textures here are RGBA8. LookPage.factsOf
-    // shows this.
+    // shows the result.
     this.materials.set(method, { texture, bytes: levels.reduce((sum, { width, height }) =>
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }

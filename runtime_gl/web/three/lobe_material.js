@@ -6,11 +6,11 @@ import { fragmentWithLobes } from "./lobe_shading.js";
 import { fragmentAtPoints } from "./shading_points.js";
 
 const TAPS_MAX = 16;
-// Features of MeshPhysicalMaterial that need more data of a normal than lobes provide.
+// Features of MeshPhysicalMaterial that need more data about normals than lobes provide.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
-// Least spread of a pixel's normals, two levels finer, at which evaluations are spent on lobes: README.md,
-// "Evaluations".
+// The least spread of a pixel's normals, two levels finer, at which evaluations are spent on lobes (README.md,
+// "Evaluations").
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
 const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
 
@@ -65,7 +65,7 @@ function change(material, lobes, edit, key) {
     onBeforeCompile.call(material, shader, renderer);
     edit(shader);
   };
-  // The default key is the text of onBeforeCompile, which is no longer the material's own function.
+  // The default key is the text of onBeforeCompile, which this add-on has replaced.
   material.customProgramCacheKey = () =>
     [onBeforeCompile.toString(), customProgramCacheKey.call(material), "multum", key()].join(" ");
   material.needsUpdate = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobe textures for three.js, written by `multum export NAME.ndf.exr --lobes -o NAME.ktx2`
+// Reads lobe textures for three.js, written by `multum export NAME.ndf.exr --lobes -o NAME.ktx2`
 // (docs/reference/lobe_textures.md, "Lobes for GPUs"). three.js's KTX2Loader makes single-layer textures of such
 // formats, so this module uses the parser inside it.
 import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter,
@@ -192,7 +192,7 @@ function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
 export class LobeLoader extends Loader {
   constructor(manager) {
     super(manager);
-    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: works everywhere and takes twice the bytes
+    this.hasBlocks = false; // without detectSupport(), BC5 is decoded, which works everywhere and takes twice the bytes
   }
 
   detectSupport(renderer) {

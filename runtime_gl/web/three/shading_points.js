@@ -38,7 +38,7 @@ ${each((name) => `multum_derive_${name}()`)}}
 void multum_move(vec2 by) {  // offset from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
-// Maps without lobes.
+// Handles maps without lobes.
 const PLAIN = `
 void multum_decide() {}
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
@@ -79,7 +79,7 @@ const END = `
   diffuseColor.a = multum_alpha;
   vec3 outgoingLight = multum_light;
 `;
-// Decided for the whole pixel by its mean alpha.
+// The decision is made for the whole pixel by its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
 // The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
