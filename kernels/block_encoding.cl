@@ -467,7 +467,7 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
   put_bits(&bits, 1u << 6, 7);
   for (int channel = 0; channel < 4; ++channel)
     for (int end = 0; end < 2; ++end) {
-      const int source = third_is_alpha && channel > 1 ? 5 - channel : channel;  // 3: what is 255
+      const int source = third_is_alpha && channel > 1 ? 5 - channel : channel;  // source 3 is the constant 255
       put_bits(&bits, source == 3 ? 127u : (uint)line.codes[end][source], 7);
     }
   put_bits(&bits, 3, 2);
@@ -478,7 +478,7 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
 // Modes 4 and 5: channel `alone` has its own ends and indices and is stored in alpha; alpha is stored in its place.
 typedef struct SeparateMode {
   int mode, colour_bits, scalar_bits;
-  int colour_last, scalar_last;  // steps: 3 or 7
+  int colour_last, scalar_last;  // last step: 3 or 7
 } SeparateMode;
 
 typedef struct SeparateFit {

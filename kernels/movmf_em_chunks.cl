@@ -20,7 +20,7 @@
 #define MULTUM_WEIGHTED 0
 #endif
 
-#define PARTIAL_SUMS 5  // S, X, Y, Z, D of a lobe
+#define PARTIAL_SUMS 5  // the sums S, X, Y, Z and D of a lobe
 
 // Returns the coverage of the finest columns of a block, one per lane. Columns outside the texel weigh 0.
 static real_v column_weights(int first, int x, int map_size, int level_size) {

@@ -29,7 +29,7 @@
 // A frame about the unit normal n. Its x axis is the map's x axis, turned into the tangent plane, as renderers do with
 // a tangent by Gram-Schmidt.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
 typedef struct LobeFrame {
-  real_v xx, xy, xz;  // the x axis
+  real_v xx, xy, xz;  // the frame's x axis
   real_v yy, yz;      // the y axis; its x component is 0
 } LobeFrame;
 

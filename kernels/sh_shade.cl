@@ -27,7 +27,7 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h,
   return shade_blinn_phong(blinn_phong_lobe(lobe, f->exponent), e) * cosine;
 }
 
-#define SH_LINEAR_CONSTANT 0.488602512f  // of Y_1m
+#define SH_LINEAR_CONSTANT 0.488602512f  // the constant of Y_1m
 
 // Returns the cosine that multiplies the highlight of half vector h: the cosine of the mean normal, which is shorter
 // than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.

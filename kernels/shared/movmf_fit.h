@@ -37,7 +37,7 @@
 typedef struct MultumMovmfFit {
   int map_width;  // size of the finest level in texels, at most 32768 per side
   int map_height;
-  int width;  // this level
+  int width;  // width of this level
   int height;
   int parent_width;  // width of the next coarser level; 0 if there is none, and EM then starts from the level's own
                      // lobes
@@ -54,7 +54,7 @@ typedef struct MultumMovmfFit {
   int map_first_row;
   int map_window_rows;  // sums use rows, or chunks that begin, in [map_first_row, map_first_row + map_window_rows)
   int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
-  int order;            // MULTUM_ORDER_*
+  int order;            // one of MULTUM_ORDER_*
   int periodic_x;       // if not 0, texels at opposite borders are neighbours
   int periodic_y;
   int iteration_count;

@@ -19,7 +19,7 @@
 // Planes of a fitted texel.
 #define MULTUM_ONE_LOBE_FITTED_NORMAL 0  // x, y, z, a unit vector
 #define MULTUM_ONE_LOBE_ALPHA_WIDE 3     // alpha along the axis
-#define MULTUM_ONE_LOBE_ALPHA_NARROW 4   // across it
+#define MULTUM_ONE_LOBE_ALPHA_NARROW 4   // alpha across the axis
 #define MULTUM_ONE_LOBE_AXIS 5           // x, y of a unit vector, whose sign has no meaning
 #define MULTUM_ONE_LOBE_FITTED 7
 
@@ -40,7 +40,7 @@ typedef struct MultumOneLobePiece {
   int iteration_count;
   int is_anisotropic;
   int has_base_map;    // if 1, a plane holds alpha^2 of the finest texels; if 0, base_squared is alpha^2 of all texels
-  float base_squared;  // alpha^2
+  float base_squared;  // alpha^2 of the base roughness
   float alpha_min;     // 0 < alpha_min <= alpha <= 1
 } MultumOneLobePiece;
 

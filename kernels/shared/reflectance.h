@@ -12,7 +12,7 @@ typedef struct MultumReflectanceLight {
 } MultumReflectanceLight;
 
 typedef struct MultumReflectanceMap {
-  int size;         // texels a side
+  int size;         // texels per side
   int sample_side;  // normals along a side of a texel; sample_side^2 normals are averaged
   int light_count;
   float exponent;  // s of Blinn-Phong

@@ -100,7 +100,7 @@ class FieldPlayer {
   FieldPlayback playback_;
   std::unique_ptr<LayerSum> sum_;       // null if has_whole_textures()
   std::vector<LayerTexture> textures_;  // one per layer
-  std::size_t nearest_ = 0;             // sample
+  std::size_t nearest_ = 0;             // the nearest sample
   FrameReport report_;
 };
 

@@ -17,10 +17,10 @@ std::unique_ptr<HeadlessContext> make_egl_context(DebugOutput debug);
 
 /// A display that EGL offers; displays are listed in the order in which make_egl_context() tries them.
 struct EglOffer {
-  std::string display;      // "device 0", "surfaceless"
+  std::string display;      // such as "device 0" or "surfaceless"
   bool is_software;         // as reported by the device's driver
   std::string description;  // description of the display's context; empty if it has none
-  std::string reason;       // why not
+  std::string reason;       // reason why it is unusable
 };
 
 /// Lists the displays. Opens and closes a context on each of them. Throws Error(kEnvironment) if libEGL.so.1 is

@@ -15,7 +15,7 @@ namespace multum::gl {
 
 struct MeshVertex {
   glm::vec3 position;
-  glm::vec3 normal;   // unit
+  glm::vec3 normal;   // unit vector
   glm::vec4 tangent;  // unit vector along growing u; w is the handedness: bitangent = w * cross(normal, tangent), along
                       // growing v
   glm::vec2 uv;       // v grows upwards in the image
@@ -23,7 +23,7 @@ struct MeshVertex {
 
 struct MeshData {
   std::vector<MeshVertex> vertices;
-  std::vector<std::uint32_t> indices;  // three a triangle
+  std::vector<std::uint32_t> indices;  // three per triangle
 };
 
 /// A vertex array without attributes, for shaders that generate their own triangle.

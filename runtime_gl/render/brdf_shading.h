@@ -33,8 +33,8 @@ class BrdfShading {
     float exponent;
     glm::vec3 total;
     std::vector<glm::vec3> weights;               // weights of the terms, if the shader uses these
-    std::vector<float> spreads;                   // as many
-    std::map<int, std::vector<glm::vec3>> zonal;  // by order
+    std::vector<float> spreads;                   // one per weight
+    std::map<int, std::vector<glm::vec3>> zonal;  // coefficients by order
   };
   static Numbers numbers_of(const Brdf& brdf);
   void set_roughness(const std::shared_ptr<const RoughnessMap>& map);

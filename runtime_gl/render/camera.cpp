@@ -78,7 +78,7 @@ Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, f
   const glm::vec3 above = glm::cross(back, right);
   const float tangent = kFilled * std::tan(glm::radians(0.5f * camera.fov_y_degrees));
   std::vector<AxisPoint> across, upwards;
-  float nearest = -radius, farthest = radius;  // along `back`
+  float nearest = -radius, farthest = radius;  // distances along `back`
   for (const glm::vec3& point : points) {
     const glm::vec3 p = point - middle;
     const float z = glm::dot(p, back);

@@ -15,7 +15,7 @@ struct Camera {
   // units (magnified for maps below 1024 texels per unit). The farthest row is at 11 units, 1.5 degrees below the
   // horizon; the horizon is not visible.
   glm::vec3 eye{0.0f, 0.0f, 0.3f};
-  glm::vec3 target{0.0f, 1.0f, -0.0939f};  // 21.5 degrees down
+  glm::vec3 target{0.0f, 1.0f, -0.0939f};  // the camera looks down by 21.5 degrees
   glm::vec3 up{0.0f, 0.0f, 1.0f};
   float fov_y_degrees = 40.0f;  // 1..170
   float near_distance = 0.01f;

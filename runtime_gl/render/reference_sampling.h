@@ -16,7 +16,7 @@ namespace multum::gl {
 /// Gaussian has a standard deviation of 1/2 pixel and is cut off at 1.5 pixels.
 enum class PixelFilter { kBox, kTent, kGaussian };
 
-constexpr double kReferenceNoise = 0.005;        // relative L1
+constexpr double kReferenceNoise = 0.005;        // relative L1 difference
 constexpr int kReferenceSampleCountMax = 65536;  // limit of the sample count if the noise stays above its target
 constexpr int kReferenceBatch = 64;              // samples between measurements of the noise
 

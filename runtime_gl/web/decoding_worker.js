@@ -15,7 +15,7 @@ const CHUNKS_MAX = 64; // more than a picture needs; otherwise each picture woul
 const MEMORY_BYTES_MAX = 128 * 2 ** 20;
 
 let wasm = null;
-let decoder = null; // promise
+let decoder = null; // promise of the decoder
 const chunks = new Map(); // decoded chunks by name, least recently used first
 
 const restart = () => {

@@ -57,7 +57,7 @@ export class MptFile {
 
   constructor(source) {
     this.source = source;
-    this.description = null; // its section
+    this.description = null; // section of the description
     this.chunks = new Map(); // sections by "layer:block"
   }
 

@@ -24,7 +24,7 @@ struct FarmWord {
 
 struct FarmCommand {
   std::string name;                                // human-readable name of the job
-  std::vector<std::string> words;                  // behind `multum`
+  std::vector<std::string> words;                  // the words after `multum`
   std::vector<FarmWord> paths;                     // files and folders, in the order of the words
   std::vector<std::string> inputs, input_folders;  // all inputs, whether the words name them or not
   std::vector<std::string> output_folders;

@@ -26,7 +26,7 @@ constexpr std::size_t kStepNameMax = 64;         // 3.1
 constexpr std::size_t kRequirementsMax = 50;     // 3.3
 constexpr std::size_t kCapabilityNameMax = 100;  // 3.3.1.1
 constexpr std::size_t kTaskParametersMax = 16;   // 3.4
-constexpr std::size_t kRangeElementsMax = 1024;  // 3.4.1.1, of a list
+constexpr std::size_t kRangeElementsMax = 1024;  // section 3.4.1.1: elements of a list
 constexpr std::int64_t kNoticeSecondsMax = 600;  // 5.3.2
 constexpr std::size_t kIdentifierMax = 64;       // 7.1
 constexpr std::size_t kDescriptionMax = 2048;    // 7.2
@@ -58,7 +58,7 @@ struct TextRule {
   std::size_t least = 1;
   std::size_t most = std::string::npos;
   bool has_lines = false;  // allows newline, carriage return and tab
-  bool is_any = false;     // any character
+  bool is_any = false;     // allows any character
 };
 
 void check_text(const std::string& what, const std::string& text, const TextRule& rule) {

@@ -192,7 +192,7 @@ class Service {
   }
 
   void notify_watchdog() {
-    std::uint64_t interval = 0;  // microseconds
+    std::uint64_t interval = 0;  // in microseconds
     if (sd_watchdog_enabled(0, &interval) <= 0) return;
     watchdog_.expires_after(std::chrono::microseconds(interval / 3));
     watchdog_.async_wait([this](const boost::system::error_code& error) {
@@ -224,7 +224,7 @@ class Service {
           });
     }
     api_.pictures().sweep(*ledger_);
-    constexpr int kForEver = 1000000;  // days
+    constexpr int kForEver = 1000000;  // in days
     data_.sweep(*ledger_, std::chrono::hours(24) * (settings_.upload_days > 0 ? settings_.upload_days : kForEver));
   }
 

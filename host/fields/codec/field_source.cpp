@@ -148,8 +148,8 @@ class ObjectReading {
   struct Pose {
     std::size_t first_sample;  // the sample that the file name of its matrix contains
     std::vector<std::size_t> samples;
-    std::vector<float> masses;  // texel_masses
-    double pixels;              // covered
+    std::vector<float> masses;  // result of texel_masses()
+    double pixels;              // number of covered pixels
     std::string checksum;
   };
 

@@ -26,7 +26,7 @@ struct ObjectWeights {
 
 /// The textures of one layer of an object over one block of the parameters.
 struct ChunkToCode {
-  std::size_t layer = 0, block = 0;  // of the description
+  std::size_t layer = 0, block = 0;  // indices in the description
   std::size_t object = 0, layer_of_object = 0;
   std::size_t width = 1, height = 1;              // texels
   std::vector<std::size_t> sizes;                 // samples along each dimension
@@ -43,7 +43,7 @@ struct ChunkToCode {
 struct FieldSource {
   std::string folder;
   FieldDescription description;
-  std::vector<std::unique_ptr<ObjectWeights>> weights;  // of objects
+  std::vector<std::unique_ptr<ObjectWeights>> weights;  // weights of all objects
   std::vector<ChunkToCode> chunks;
   double values = 0.0;   // number of values in all frames, three per pixel
   std::string checksum;  // checksum of all data that was read

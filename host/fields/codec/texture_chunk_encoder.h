@@ -68,7 +68,7 @@ class ChunkEncoder {
 
   const ChunkSource& source_;
   TextureChunkFormat format_;                                       // the fields that all codings share, without levels
-  std::vector<PlaneCoefficients> coefficients_;                     // by sample
+  std::vector<PlaneCoefficients> coefficients_;                     // coefficients by sample
   std::vector<std::vector<float>> weights_;                         // [sample][coefficient]
   std::vector<float> summed_weights_;                               // [coefficient]
   std::optional<std::vector<std::vector<double>>> eigenvectors_{};  // computed on first use

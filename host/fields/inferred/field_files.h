@@ -14,7 +14,7 @@ namespace multum {
 /// Groups of samples in which an object has the same pose and texture coordinates. The samples of a group share the
 /// object's filter matrix.
 struct ObjectPoses {
-  std::vector<std::size_t> first_samples;  // of each pose
+  std::vector<std::size_t> first_samples;  // first sample of each pose
   std::vector<std::size_t> of_sample;      // index into first_samples
 };
 

@@ -16,7 +16,7 @@ namespace multum {
 
 /// Describes the measurement. Inferred textures are valid only for this renderer and sampler.
 struct FilterMatrixProvenance {
-  std::string software;  // "multum-view 0.1.0"
+  std::string software;  // such as "multum-view 0.1.0"
   std::string renderer;  // "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6"
   std::string view;      // names of the camera and of moved objects
   std::string object;

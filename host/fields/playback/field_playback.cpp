@@ -43,7 +43,7 @@ FieldPlayback::ImageObject object_of_block(const FieldDescription& description, 
   const std::vector<int>& mappings = description.field.objects[layer.object].mapping_of_sample;
   for (const std::size_t sample : description.grid.samples_in(layer.blocks[block]))
     if (layer.is_seen(sample)) return {layer.object, static_cast<std::size_t>(mappings[sample])};
-  return {layer.object, 0};  // never requested
+  return {layer.object, 0};  // such a chunk is never requested
 }
 
 }  // namespace
@@ -239,7 +239,7 @@ void FieldPlayback::leave_out(Chunk& chunk, const std::string& part) {
 void FieldPlayback::read_head(Chunk& chunk, std::size_t distance) {
   const PackedSection& section = file_.index().sections()[chunk.section];
   if (section.length > memory_.bytes_max() / kChunkShare) return leave_out(chunk, "bytes");
-  if (!make_room(section.length, distance)) return;  // later
+  if (!make_room(section.length, distance)) return;  // requested again later
   MULTUM_CHECK(memory_.take(section.length));
   const ScopedTake taken(memory_, section.length);
   try {

@@ -200,7 +200,7 @@ class FieldPlayback {
   std::mutex file_mutex_;
   PackedFieldFile file_;
   std::vector<std::vector<std::optional<std::size_t>>> chunk_of_;  // [layer][block]; unset if nothing in it is visible
-  std::vector<ImageObject> objects_;                               // of each chunk
+  std::vector<ImageObject> objects_;                               // object of each chunk
   std::vector<SampleShare> now_;
   std::vector<std::vector<SampleShare>> ahead_;
 

@@ -6,7 +6,7 @@
 #define MULTUM_TABLE_COSINES 32.0
 #define MULTUM_TABLE_SPREADS 24.0
 uniform vec3 u_smooth_mean;               // L(n) = mean + linear . n + n . quadratic n
-uniform vec3 u_smooth_linear[3];          // a channel each
+uniform vec3 u_smooth_linear[3];          // one vector per channel
 uniform vec3 u_smooth_quadratic[9];       // three rows per channel
 uniform sampler2D u_reflection_table;
 

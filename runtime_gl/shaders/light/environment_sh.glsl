@@ -7,7 +7,7 @@
 #define MULTUM_HALF_COUNT 81.0
 uniform sampler2D u_half_vector_light;
 uniform vec2 u_half_grid;  // columns and rows of a plane
-uniform vec2 u_viewport;   // pixels
+uniform vec2 u_viewport;   // in pixels
 uniform vec3 u_half_zonal[MULTUM_VMF_ZONAL_ORDER + 1];  // a_l of the BRDF's facets
 
 vec3 multum_half_vector_light(int index) {

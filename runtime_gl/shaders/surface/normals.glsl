@@ -23,7 +23,7 @@ uniform sampler2D u_albedo;
 uniform sampler2D u_weights;
 #endif
 #ifdef MULTUM_ROUGHNESS_MAP
-uniform sampler2D u_roughness;  // perceptual
+uniform sampler2D u_roughness;  // perceptual roughness
 #endif
 #ifdef MULTUM_NORMAL_MAP
 uniform sampler2D u_normal_map;  // averaged normals of the finer levels

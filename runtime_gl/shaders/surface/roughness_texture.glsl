@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads GGX's roughness from a texture and multiplies it by the BRDF's own roughness, as in glTF 2.0. References read
 // it for each finest texel (normals.glsl). Otherwise the perceptual roughness is averaged over the footprint.
-uniform sampler2D u_roughness_texture;  // red
+uniform sampler2D u_roughness_texture;  // roughness in the red channel
 
 const float MULTUM_ALPHA_MIN = 0.0025;
 

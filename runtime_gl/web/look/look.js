@@ -72,7 +72,7 @@ class LookPage {
     const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
     this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
     this.gl = this.makeGl();
-    this.dropped = null; // a dropped map
+    this.dropped = null; // the last dropped map
     this.drawn = 0; // number of drawn frames, from which longer tasks see that the view has changed
     this.addLoss();
     this.addControls();

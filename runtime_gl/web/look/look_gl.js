@@ -256,7 +256,7 @@ class LookGl {
     if (this.size[0] === width && this.size[1] === height) return;
     for (const { texture, frame } of this.targets) { gl.deleteTexture(texture); gl.deleteFramebuffer(frame); }
     gl.deleteRenderbuffer(this.depth ?? null);
-    this.depth = gl.createRenderbuffer(); // of both
+    this.depth = gl.createRenderbuffer(); // shared by both pictures
     gl.bindRenderbuffer(gl.RENDERBUFFER, this.depth);
     gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
     this.targets = [0, 1].map(() => {

@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSlurmClaimsMax = 200;  // per commit
+constexpr int kSlurmClaimsMax = 200;  // most claims per commit
 
 // Returns which exit codes of multum (docs/reference/service.md) allow another attempt.
 AttemptOutcome outcome_of(int code) {

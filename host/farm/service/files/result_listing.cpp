@@ -90,7 +90,8 @@ struct Walk {
       throw Error(ErrorCode::kEnvironment, fmt::format("{}: folders are nested more than {} deep", prefix, kDepthMax));
     for (const std::string& name : names_in(folder, prefix)) {
       struct stat found {};
-      if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone
+      if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0)
+        continue;  // removed meanwhile
       const std::string path = prefix + name;
       if (S_ISDIR(found.st_mode)) {
         const OpenFile below = open_folder(folder.descriptor(), name);

@@ -47,14 +47,14 @@ constexpr auto kSilence = seconds(30);     // longest pause of a client that sen
 constexpr auto kBodyTime = seconds(60);    // time for a body; uploads have no limit while they progress
 constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
-constexpr std::size_t kLingerMax = 64 << 20;  // bytes
+constexpr std::size_t kLingerMax = 64 << 20;  // most bytes to read and discard
 constexpr auto kStreamPulse = seconds(10);
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // pause between two writes to one listener
 constexpr std::size_t kStreamBacklog = 8192;     // events waiting for a slow listener, before it is disconnected
 constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; above this limit, slow listeners are
                                                  // disconnected
 constexpr std::size_t kStreamText = 16384;       // approximate bytes per write
-constexpr std::size_t kQueryMax = 32;            // parameters
+constexpr std::size_t kQueryMax = 32;            // most parameters of a query
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
 constexpr std::size_t kSpareLines = 16;  // lines beyond connections_max, for monitors and for telling clients to wait
 
@@ -481,7 +481,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   TaskQueue& turns;
   MemoryBudget budget;
   const int streams_max;
-  int open = 0, spare = 0;  // lines
+  int open = 0, spare = 0;  // number of lines
   std::deque<std::weak_ptr<HttpLine>> spare_lines;
   std::atomic<bool> is_closed = false;
   std::atomic<int> streams = 0;

@@ -24,7 +24,7 @@ namespace multum {
 
 struct HttpRequest {
   std::string method;  // "GET", also for HEAD
-  std::string path;    // decoded, "/v1/jobs/12"
+  std::string path;    // decoded path, such as "/v1/jobs/12"
   std::map<std::string, std::string> query;
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
@@ -58,7 +58,7 @@ struct HttpResponse {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers = {};
   std::shared_ptr<OpenFile> file = nullptr;  // sent instead of `body`
-  std::shared_ptr<HttpBody> made = nullptr;  // likewise
+  std::shared_ptr<HttpBody> made = nullptr;  // also sent instead of `body`
   std::optional<HttpBodyPart> part = {};     // part of `made` to send; nullopt sends all
   bool is_stream = false;                    // server-sent events until the client disconnects
   std::uint64_t after = 0;                   // streams send only events with higher numbers

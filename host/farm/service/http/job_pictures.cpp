@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 using asio::use_awaitable;
 
 constexpr auto kTimeMax = std::chrono::seconds(60);
-constexpr int kNiceness = 10;  // below jobs
+constexpr int kNiceness = 10;  // children have a lower priority than jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
 // The page contains all its data. It may run its own script and save paths, but has no origin, so malicious data in the
@@ -43,7 +43,7 @@ constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
-constexpr std::size_t kReasonMax = 400;  // bytes
+constexpr std::size_t kReasonMax = 400;  // bytes of a reason
 constexpr std::size_t kWaitingMax = 64;  // number of waiting jobs, which usually take about a minute
 
 [[noreturn]] void refuse(const std::string& why) { throw Refusal{404, "no_picture", why}; }

@@ -42,7 +42,7 @@ class ResultArchive : public HttpBody {
   std::size_t next_ = 0;
   std::uint64_t bytes_ = 0, left_ = 0;  // `left_` is the rest of the open file
   std::string pending_;                 // headers and padding, not yet sent
-  std::size_t sent_ = 0;                // of `pending_`
+  std::size_t sent_ = 0;                // bytes of `pending_` that are sent
   bool is_open_ = false, is_ended_ = false;
 };
 

@@ -33,7 +33,7 @@ struct JobSubmission {
   std::string parameters = "{}";  // JSON object, checked against the type
   std::string queue = "default";
   std::string label;                // free text
-  int priority = 0;                 // -1000..1000, higher first
+  int priority = 0;                 // -1000..1000, higher values first
   std::vector<std::int64_t> needs;  // jobs that must succeed first
   int attempt_max = 5;              // 1..100
   std::optional<TimeMs> deadline;   // latest time at which the job may end

@@ -34,7 +34,7 @@ struct JobField {
   const char* label = nullptr;              // label of its row on the page; null if it has no row
 
   const char* asked_as = nullptr;    // the field's key in a submission; null if clients cannot set it
-  const char* asked_described = "";  // there
+  const char* asked_described = "";  // description in a submission
   const char* expected = nullptr;    // text for error messages; null if parse_submit() checks the field separately
   bool has_default = false;          // the schema also gives the default of Job
   const char* option = nullptr;      // option of `multum jobs submit`

@@ -537,7 +537,7 @@ void JobQueue::settle_waiting(TimeMs now) {
   std::vector<std::pair<std::int64_t, std::int64_t>> stuck;
   while (query.step()) stuck.emplace_back(query.integer(0), query.integer(1));
   for (const auto& [id, need] : stuck) {
-    if (find(id)->state != JobState::kWaiting) continue;  // with another
+    if (find(id)->state != JobState::kWaiting) continue;  // died together with another job
     const std::optional<Job> other = find(need);
     finish(id, JobState::kDead,
            fmt::format("needs job {}, which {}", need,

@@ -66,8 +66,8 @@ enum class CancelResult { kCancelled, kStopWorker, kTooLate, kUnknown };
 
 struct JobFilter {
   std::optional<JobState> state;
-  std::string queue;                   // "" means any
-  std::optional<std::int64_t> before;  // ids below
+  std::string queue;                   // "" means any queue
+  std::optional<std::int64_t> before;  // only ids below this one
   int limit = 100;                     // 1..1000
 };
 

@@ -213,7 +213,7 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_BUSY:
     case SQLITE_LOCKED: throw Error(ErrorCode::kEnvironment, path_ + ": is in use by another process");
     case SQLITE_NOTADB:
-    case SQLITE_TOOBIG:  // a damaged length
+    case SQLITE_TOOBIG:  // the length of a value is damaged
     case SQLITE_CORRUPT:
       throw SqliteError(
           ErrorCode::kInput,

@@ -17,7 +17,7 @@ namespace multum {
 namespace {
 
 constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // time limit of a command; Slurm's own timeouts are shorter
-constexpr std::size_t kNamesAtOnce = 500;                   // of scancel
+constexpr std::size_t kNamesAtOnce = 500;                   // names per call of scancel
 
 template <typename Number>
 std::optional<Number> whole_number(const std::string& text) {
@@ -147,9 +147,9 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   if (!settings_.account.empty()) words.push_back("--account=" + settings_.account);
   if (!s.array.empty()) words.push_back(fmt::format("--array={}", fmt::join(s.array, ",")));
   if (!s.after.empty()) words.push_back(fmt::format("--dependency=afterany:{}", fmt::join(s.after, ":")));
-  if (s.memory_bytes > 0) words.push_back(fmt::format("--mem={}", (s.memory_bytes + (1 << 20) - 1) >> 20));  // MiB
+  if (s.memory_bytes > 0) words.push_back(fmt::format("--mem={}", (s.memory_bytes + (1 << 20) - 1) >> 20));  // in MiB
   if (s.nice > 0) words.push_back(fmt::format("--nice={}", s.nice));
-  if (s.time_max.count() > 0) words.push_back(fmt::format("--time={}", (s.time_max.count() + 59) / 60));  // minutes
+  if (s.time_max.count() > 0) words.push_back(fmt::format("--time={}", (s.time_max.count() + 59) / 60));  // in minutes
   words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
   words.push_back(s.script);
   words.insert(words.end(), s.command.begin(), s.command.end());

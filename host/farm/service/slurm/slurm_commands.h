@@ -18,7 +18,7 @@ namespace multum {
 struct SlurmSubmission {
   std::string name, comment;
   std::string script;                // runs the words that follow it
-  std::vector<std::string> command;  // these words
+  std::vector<std::string> command;  // the words that the script runs
   std::string output;                // file for a task's output, with Slurm's placeholders
   std::vector<int> array;            // numbers of its tasks; if empty, one task without a number
   std::vector<std::int64_t> after;   // starts when these jobs have ended in any way

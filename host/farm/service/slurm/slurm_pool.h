@@ -58,7 +58,7 @@ class SlurmPool {
     std::function<void(std::int64_t job, int attempt, const WorkResult& result)> ended;
   };
   struct Counters {
-    std::uint64_t submitted = 0;  // Slurm jobs
+    std::uint64_t submitted = 0;  // number of Slurm jobs
     std::uint64_t submit_failures = 0;
     std::uint64_t forgotten = 0;          // parts that were unknown to Slurm, so sent again
     std::uint64_t cancelled_unknown = 0;  // parts that were unknown to the ledger
@@ -198,7 +198,7 @@ class SlurmPool {
   std::vector<std::int64_t> new_;
   std::map<SlurmPartKey, WorkResult> results_;      // results of parts whose end this check found
   std::map<std::int64_t, Clock::time_point> done_;  // batches, and when the last of their parts ended
-  std::set<std::int64_t> cancelled_unknown_;        // Slurm's jobs
+  std::set<std::int64_t> cancelled_unknown_;        // unknown Slurm jobs that were cancelled
   std::int64_t last_batch_ = 0;
   int array_size_max_ = kAnyArraySize;  // Slurm's MaxArraySize, or a bound learned from refusals
   bool has_asked_array_size_ = false;

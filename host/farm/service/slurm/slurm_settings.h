@@ -16,7 +16,7 @@ struct SlurmSettings {
   std::vector<std::string> queues;       // queues whose jobs are sent
   std::vector<std::string> types;        // types of jobs that are sent; empty means all
   int jobs_max = 1000;                   // jobs at Slurm at the same time, 1..100000
-  int cpus = 2;                          // of a task, 1..1024
+  int cpus = 2;                          // processors per task, 1..1024
   int nice = 0;                          // nice value of a job of priority 0
   double chunk_seconds = 30.0;           // seconds per task with several jobs; 0 means one job per task
   double share_seconds = 600.0;          // processor time per share of a large map; with 0, maps are not divided

@@ -19,9 +19,9 @@ namespace {
 constexpr int kSubmissionsMax = 10;                     // most submissions of an attempt that Slurm does not begin
 constexpr int kIdleFactor = 10;                         // lengthens the pause between checks if nothing is watched
 constexpr auto kLingering = std::chrono::seconds(30);   // time for a task to end when all its parts have ended
-constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
+constexpr auto kRemembered = std::chrono::minutes(10);  // how long finished batches are remembered
 constexpr const char* kCompleting = "COMPLETING";       // cancelled, perhaps on a node that does not answer
-constexpr int kShareUnits = 1000;                       // of progress
+constexpr int kShareUnits = 1000;                       // units of progress per share
 
 bool is_refusal(int code) { return code == 2 || code == 3 || code == 5; }
 
@@ -78,7 +78,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
     bool wants_again = false, has_task = false;
     for (auto& [item, part] : batch.parts) {
       const auto seen = look.parts.find({number, item});
-      if (seen == look.parts.end()) continue;  // sent since
+      if (seen == look.parts.end()) continue;  // sent after the check began
       const SlurmTask* task = nullptr;
       if (batch.slurm_job) {
         const auto found = tasks.find({*batch.slurm_job, batch.is_array ? item : -1});

@@ -18,7 +18,7 @@ class DriverProbe {
  public:
   struct Finding {
     bool has_device = false;
-    std::string message;  // why not
+    std::string message;  // the reason if there is no device
   };
 
   /// `command` ends with exit code 0 if there is a device; otherwise its last line gives the reason. Answers on the

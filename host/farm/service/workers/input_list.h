@@ -15,7 +15,7 @@ namespace multum {
 
 struct InputList {
   std::vector<std::string> files;  // files in the form of input_files()
-  std::string identity;            // input_identity()
+  std::string identity;            // result of input_identity()
 };
 
 /// Blocks. Throws Error like the reader of such a file, and Error(kInput) when the child exceeds its limits.

@@ -48,7 +48,7 @@ struct RefusedInput {
 };
 
 struct JobType {
-  std::string name;  // "bake"
+  std::string name;  // such as "bake"
   std::string summary;
   std::string command = {};  // command of this program that does the work; if empty, `run`
   /// Does the work within the worker. `arguments` come from job_arguments(); when `is_deaf` is set, the worker sends no
@@ -64,7 +64,7 @@ struct JobType {
   std::vector<std::string> (*files_of_input)(const std::string& input) = nullptr;
   bool input_is_one_map = false;  // the input is one map, not a set of tiles
   std::vector<RefusedInput> refused_inputs = {};
-  std::string output_extension = {};                 // "" any
+  std::string output_extension = {};                 // "" means any extension
   std::vector<std::string> refused_extensions = {};  // file name extensions that an output folder must not have
   /// Options of every job of the type, such as --absolute-geometry: a result is made next to its final place and may be
   /// copied, so relative paths would break.

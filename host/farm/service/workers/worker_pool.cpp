@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr auto kTick = milliseconds(250);
-constexpr int kSocket = 3;                 // of a worker
+constexpr int kSocket = 3;                 // descriptor of a worker's socket
 constexpr std::size_t kLineMax = 1 << 20;  // bytes per line; a worker that sends more is broken
 constexpr char kNonsense[] = "it talks nonsense";
 constexpr int kBackOffDoublingsMax = 4;  // the pause before a worker is restarted begins at 250 ms and doubles at most
@@ -48,7 +48,7 @@ pid_t spawn_worker(std::vector<std::string> command, int socket) {
 
 // Truncates worker text, which is stored and broadcast.
 std::string text_of(const Json& said, const char* key) {
-  constexpr std::size_t kLongest = 8192;  // bytes
+  constexpr std::size_t kLongest = 8192;  // bytes of the longest text
   std::string text = said.value(key, "");
   if (text.size() <= kLongest) return text;
   std::size_t end = kLongest;
@@ -76,7 +76,7 @@ struct WorkerPool::Worker {
   bool is_ready = false, is_ended = false;
   bool is_ending = false;        // the worker gets no more jobs
   bool is_asked_to_end = false;  // told to end, so the process ends by itself
-  std::int64_t job = 0;          // 0 if idle
+  std::int64_t job = 0;          // number of the job, 0 if idle
   int attempt = 0;
   int jobs_done = 0;
   JobProgress progress;

@@ -22,7 +22,7 @@ namespace multum {
 struct WorkerPoolSettings {
   int workers = 1;
   std::vector<std::string> command;               // command line of a worker; "--socket=3" is added
-  std::chrono::milliseconds lease{10000};         // without a word
+  std::chrono::milliseconds lease{10000};         // longest time without a sign of life
   std::chrono::milliseconds no_progress{600000};  // longest time without progress; 0 means no limit
   std::chrono::milliseconds cancel_grace{10000};  // time between the request to stop and the kill
   int jobs_a_worker = 1000;                       // jobs before the worker is replaced, because drivers leak memory
@@ -90,7 +90,7 @@ class WorkerPool {
   std::string instance_;
   Events events_;
   boost::asio::steady_timer timer_;
-  std::map<std::string, std::shared_ptr<Worker>> workers_;  // by owner
+  std::map<std::string, std::shared_ptr<Worker>> workers_;  // workers by owner
   std::uint64_t started_ = 0, lost_ = 0;
   int failures_ = 0;  // consecutive workers that died before they were ready
   std::chrono::steady_clock::time_point not_before_;

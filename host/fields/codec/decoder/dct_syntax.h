@@ -26,7 +26,7 @@ namespace multum {
 struct BlockSurroundings {
   std::span<const std::int16_t> left, up, parent, luma;
   bool has_parent = false;
-  std::size_t plane = 0;  // 0: luma
+  std::size_t plane = 0;  // plane 0 is luma
   std::size_t level = 0;  // level of the pyramid; 0 is the coarsest
 };
 

@@ -27,9 +27,9 @@ enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
 
 /// The images that add up to each sample.
 struct ImagePlan {
-  std::vector<std::size_t> levels;                              // by image
+  std::vector<std::size_t> levels;                              // level of each image
   std::vector<std::optional<std::size_t>> parents;              // the earlier image that each image refines
-  std::vector<std::vector<ParameterPyramid::Term>> of_samples;  // by sample
+  std::vector<std::vector<ParameterPyramid::Term>> of_samples;  // terms of each sample
 
   std::size_t image_count() const { return levels.size(); }
 };
@@ -50,7 +50,7 @@ struct TextureChunkFormat {
   /// [image][sample]. A basis has only one level.
   std::vector<std::vector<std::int8_t>> basis;
   bool linear = false;     // interpolate images over parameters instead of using the nearest one
-  std::uint8_t side = 16;  // of cosine blocks
+  std::uint8_t side = 16;  // side of cosine blocks
   /// A rotation of colours as a quaternion (w, x, y, z in 1/32767), and the offset of each rotated plane in 1/64.
   std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
   std::array<std::int16_t, 3> offsets{};

@@ -49,7 +49,7 @@ class SparseWaveletPlane {
  private:
   struct Coefficient {
     std::uint32_t at, band;
-    float value;  // in steps
+    float value;  // value in steps
   };
   std::vector<Coefficient> coefficients_;
 };

@@ -21,7 +21,7 @@ struct FieldCoderSettings {
   int threads = 0;
   std::uint64_t memory_bytes = 0;         // memory for textures and their coding
   ImageTransforms* transforms = nullptr;  // if null, transforms run without a device
-  PackingJournal* journal = nullptr;      // null: none
+  PackingJournal* journal = nullptr;      // if null, no chunk is kept
 };
 
 /// The field coded with one lambda.
@@ -77,8 +77,8 @@ class FieldCoder {
   std::optional<MemoryGate> gate_;
   bool keeps_textures_ = false;
   std::vector<std::optional<ChunkSource>> textures_;  // textures by chunk, while they are kept
-  std::vector<ChunkCandidates> candidates_;           // by chunk
-  std::vector<KeptChunk> kept_;                       // the same
+  std::vector<ChunkCandidates> candidates_;           // candidates by chunk
+  std::vector<KeptChunk> kept_;                       // kept chunks by chunk
   std::vector<double> shares_;                        // by object: the factor of lambda, at most 1
   std::atomic<std::size_t> chunks_resumed_ = 0;
   int rounds_ = 0;

@@ -117,7 +117,9 @@ glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm:
   glm::dmat2 direction = -here.gradient;
   double step = 0.1;  // step of Q, whose elements are about 1
   for (int i = 0; i < settings.iterations_max && dot(here.gradient, here.gradient) > 1e-24; ++i) {
-    if (dot(direction, here.gradient) >= 0.0) direction = -here.gradient;  // not downhill: restart
+    if (dot(direction, here.gradient) >= 0.0)
+      direction = -here.gradient;  // restarts if the direction does not lead
+                                   // downhill
     const Point next = line_minimum(objective, here, direction, &step);
     const double decrease = here.cost - next.cost;
     // The factor of Polak and Ribiere, at least 0.

@@ -17,7 +17,7 @@ namespace multum {
 struct ItemBuffer {
   int width = 0, height = 0;
   std::vector<std::int32_t> object;    // index into the objects
-  std::vector<std::int32_t> triangle;  // of that object
+  std::vector<std::int32_t> triangle;  // index into the triangles of that object
   std::vector<float> depth;            // distance along -z of camera space; infinite where nothing is visible
 };
 

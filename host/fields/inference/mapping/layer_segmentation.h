@@ -28,7 +28,7 @@ struct SegmentationSettings {
 
 struct SegmentationInput {
   int width = 0, height = 0;
-  std::span<const float> rgb;                     // 3 per pixel
+  std::span<const float> rgb;                     // three values per pixel
   std::vector<std::span<const float>> coverages;  // coverage by each object, 0..1 per pixel
 };
 

@@ -34,7 +34,7 @@ struct PixelRun {
 };
 
 struct VisiblePixels {
-  std::vector<VisibleTriangle> triangles;  // ascending
+  std::vector<VisibleTriangle> triangles;  // in ascending order
   std::vector<PixelRun> runs;
   std::size_t count = 0;
 };

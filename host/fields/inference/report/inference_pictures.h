@@ -29,7 +29,7 @@ struct ReportPictures {
   std::vector<PictureRow> objects;  // one per object of the job; width 0 if the object covers no pixel wholly
   struct Texture {
     std::size_t object, layer;
-    ReportPicture picture;  // of level 0
+    ReportPicture picture;  // picture of level 0
   };
   std::vector<Texture> textures;  // textures of the shown sample
 };

@@ -22,7 +22,7 @@ struct InferenceSettings {
   // A Newton step ends when its gradient falls below this share of the first gradient, [0, 1).
   double step_tolerance = 0.03;
   int iteration_max = 400;   // conjugate gradient iterations of all Newton steps together
-  int newton_max = 12;       // steps
+  int newton_max = 12;       // most Newton steps
   bool precondition = true;  // precondition with the diagonal
   InferenceForm form = InferenceForm::kAuto;
 };

@@ -26,7 +26,7 @@ namespace multum {
 
 struct InferenceStep {
   int iteration;          // conjugate gradient iterations so far
-  double objective;       // f(x), all colours
+  double objective;       // f(x), summed over all colours
   double gradient_ratio;  // ratio of the projected gradient to the gradient at x = 0, for the worst colour
   std::uint64_t held;     // texel colours at a bound
 };
@@ -60,7 +60,7 @@ class TextureInference {
 
   bool uses_normal_form() const;
   std::size_t row_count() const;
-  std::size_t entry_count() const;         // of A
+  std::size_t entry_count() const;         // number of entries of A
   std::size_t normal_entry_count() const;  // number of entries of A^T A; only an estimate if A^T A is not used
 
  private:

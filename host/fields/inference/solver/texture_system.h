@@ -80,7 +80,7 @@ class TextureSystem {
   bool has_pyramid() const { return pyramid_weight > 0.0 && layout.level_count() > 1; }
   void make_pyramid();
 
-  SparseRows rows_;                  // weighted
+  SparseRows rows_;                  // rows times the square roots of their weights
   std::vector<float> root_weights_;  // one per row of every view; 0 for rows that are left out
   DeviceRows matrix_, transpose_, normal_;
   DeviceBuffer row_values_, residual_;
