@@ -54,7 +54,7 @@ class PatientRequest {
     Object.assign(this, { url, name, counts });
   }
 
-  /** `accept(response)` returns the most bytes to expect, or throws FieldError for an unusable response. */
+  /** `accept(response)` returns the most bytes to expect, or throws FieldError if the response cannot be used. */
   async run(headers, accept, signal) {
     let reason = "";
     for (let attempt = 0; attempt < ATTEMPTS; ++attempt) {

@@ -9,7 +9,7 @@ const FRAMES_LEAST = 3; // number of frames between two changes
 const NEWEST_SHARE = 0.35; // weight of the newest frame in the average
 
 export class DrawingQuality {
-  /** `finest`: the most sub-pixels along a pixel's side. */
+  /** `finest` is the largest number of sub-pixels along a pixel's side. */
   constructor(finest) {
     Object.assign(this, { finest, side: finest, lastAt: -Infinity, frameMs: 0, frameCount: 0 });
   }

@@ -10,7 +10,7 @@ const DIMENSIONS_MAX = 16;
 const LAYERS_MAX = 16; // limit per object: texture units that every WebGL 2 has
 const LIST_MAX = 1 << 20;
 
-/** Reads values of the expected kind; errors name the place, such as `objects[2].mesh`. */
+/** Reads values of the expected kind. Errors name the place, such as `objects[2].mesh`. */
 class Checker {
   constructor(name) { this.name = name; }
 

@@ -103,7 +103,7 @@ export class MptFile {
     if (this.description === null) this.refuse("has no description");
   }
 
-  /** Returns a section's bytes; `what` names it in errors. */
+  /** Returns a section's bytes. `what` names the section in errors. */
   async section(section, what, signal) {
     const end = section.offset + section.length;
     const bytes = end <= this.first.length

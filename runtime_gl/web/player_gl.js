@@ -114,7 +114,7 @@ export class PlayerGl {
     return this.programs.get(count);
   }
 
-  /** `levels`: halves of all mip levels, the finest first, [texels][3]. */
+  /** `levels` has the halves of all mip levels, the finest first, [texels][3]. */
   makeTexture(levels, { width, height, wrapS, wrapT }, anisotropy) {
     const { gl } = this;
     const texture = gl.createTexture();
@@ -167,7 +167,7 @@ export class PlayerGl {
     return side;
   }
 
-  /** Creates the framebuffer of sub-pixels, again when its size changes. */
+  /** Creates the framebuffer of sub-pixels, and creates it again when its size changes. */
   prepareTarget(width, height) {
     const { gl } = this;
     if (this.target?.width === width && this.target.height === height) return;
@@ -199,8 +199,8 @@ export class PlayerGl {
   }
 
   /**
-   * `objects`: `{ mesh, objectToClip, textures, weights }`; textures times weights are added up. Without textures an
-   * object is black and hides objects behind it. `hasOneLevel`: looks up only the nearest mip level instead of two,
+   * `objects` are `{ mesh, objectToClip, textures, weights }`. Textures times weights are added up. An object without
+   * textures is black and hides objects behind it. `hasOneLevel` looks up only the nearest mip level instead of two,
    * which halves the time of software renderers.
    */
   draw({ width, height, supersampling, exposure, objects, hasOneLevel }) {

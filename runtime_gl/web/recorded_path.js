@@ -31,7 +31,9 @@ export class RecordedPath {
     return new RecordedPath(parameters, json.positions);
   }
 
-  /** Returns one closed curve through all parameters, used if no path was recorded. `sizes`: samples along each. */
+  /**
+   * Returns a closed curve through all parameters, for use without a recorded path. `sizes` has the samples along each.
+   */
   static tour(parameters, sizes) {
     const seconds = 24;
     const positions = Array.from({ length: seconds * 20 + 1 }, (_, i) => {
@@ -49,7 +51,7 @@ export class RecordedPath {
     this.positions.push([seconds, ...at].map((one) => Number(one.toFixed(4))));
   }
 
-  /** Returns the position `seconds` after the first, interpolated; the path repeats after its end. */
+  /** Returns the interpolated position `seconds` after the first one. The path starts again after its end. */
   at(seconds) {
     const [first] = this.positions;
     const time = first[0] + (this.seconds > 0 ? seconds % this.seconds : 0);

@@ -21,7 +21,7 @@ const exrRefuse = (found, expected) => { throw new Error(`found ${found}, expect
 const exrSide = (side, level) => Math.max(1, side >> level);
 const exrLevels = (width, height) => 1 + Math.floor(Math.log2(Math.max(width, height)));
 
-/** Reads bytes one after another; throws at the end. */
+/** Reads bytes one after another. Throws at the end. */
 class ExrCursor {
   constructor(bytes) {
     this.bytes = bytes;
@@ -64,7 +64,7 @@ const exrWords = (bytes) => {
   return Array.from({ length: bytes.length >> 2 }, (_, i) => view.getInt32(4 * i, true));
 };
 
-/** Returns the bytes of attribute `name`; it must have `type` and, if given, `size` bytes. */
+/** Returns the bytes of attribute `name`, which must have type `type` and, if given, `size` bytes. */
 function exrAttribute(attributes, name, type, size = undefined) {
   const found = attributes.get(name);
   if (found === undefined) exrRefuse(`no attribute ${name}`, "a file of multum bake");
@@ -177,7 +177,7 @@ async function exrInflated(bytes, size) {
   return out;
 }
 
-/** Decodes run lengths: a count -n and n bytes, or a count n and one byte that repeats n + 1 times. */
+/** Decodes run lengths: either a count -n and n bytes, or a count n and one byte that repeats n + 1 times. */
 function exrUnrolled(bytes, size) {
   const out = new Uint8Array(size);
   let at = 0;
@@ -227,7 +227,7 @@ function exrHalf(value) {
   return sign | ((magnitude - 0x38000000 + 0xfff + ((magnitude >>> 13) & 1)) >>> 13);
 }
 
-/** Returns planes of the channels `wanted` of a level, by name; calls `tick` after every tile. */
+/** Returns planes of the channels `wanted` of a level, by name. Calls `tick` after every tile. */
 async function exrLevel(bytes, part, level, wanted, tick) {
   const { width, height, across, down } = part.levels[level];
   const planes = Object.fromEntries(wanted.map((name) => [name, new Float32Array(width * height)]));
@@ -270,7 +270,7 @@ async function exrLevel(bytes, part, level, wanted, tick) {
   return planes;
 }
 
-/** Writes halves x, y, s, a of a lobe's texels to `out`: s preserves the spread with the rounded x, y and a. */
+/** Writes halves x, y, s, a of a lobe's texels to `out`. s is chosen so that the rounded x, y and a keep the spread. */
 function exrEncodeLobe({ R, G, B, A }, out) {
   for (let i = 0; i < A.length; ++i) {
     const amplitude = exrHalf(Math.max(A[i], 0)), kept = EXR_FROM_HALF[amplitude];
@@ -287,9 +287,9 @@ function exrEncodeLobe({ R, G, B, A }, out) {
 }
 
 /**
- * Returns { width, height, firstLevel, file, normals, means } of a file's bytes: `file` as from parseLobes(), `normals`
- * x and y of level 0, or null if the file leaves level 0 to the map, `means` x and y of the first stored level of
- * lobes. Throws Error: what was found and expected.
+ * Returns { width, height, firstLevel, file, normals, means } of a file's bytes. `file` is as from parseLobes().
+ * `normals` has x and y of level 0, or is null if the file leaves level 0 to the map. `means` has x and y of the first
+ * stored level of lobes. Throws Error, which says what was found and expected.
  */
 async function decodeExr(bytes, progress = () => {}) {
   const plan = exrPlan(bytes);

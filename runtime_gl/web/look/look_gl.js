@@ -106,7 +106,9 @@ void main() {
 }`;
 
 class LookGl {
-  /** `shaders`: texts by name; `table`: halves of GGX over lobes. Throws Error with the browser's missing feature. */
+  /**
+   * `shaders` has texts by name, and `table` the halves of GGX over lobes. Throws Error if the browser lacks a feature.
+   */
   constructor(canvas, shaders, table) {
     const gl = canvas.getContext("webgl2",
       { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
@@ -128,14 +130,14 @@ class LookGl {
     this.size = [0, 0];
   }
 
-  /** Compiles programs of the plane, and those of models when a model is first drawn. */
+  /** Compiles the programs for the plane. Programs for models are compiled when a model is first drawn. */
   programs(flags, texts, surface) {
     const fragment = (main) => this.fragment(flags, texts, surface, LOOK_SHADED + main);
     return { plane: this.program(SCREEN_VERTEX, fragment(LOOK_MAIN)), model: null,
       makeModel: () => this.program(MODEL_VERTEX, fragment(MODEL_MAIN)) };
   }
 
-  /** `model`: readModel() of a file, or null for the plane. */
+  /** `model` is the readModel() of a file, or null for the plane. */
   setModel(model) {
     const { gl } = this;
     if (this.model !== null) {
@@ -216,7 +218,7 @@ class LookGl {
     this.materials.delete(method);
   }
 
-  /** `file`: parseLobes() of a file; `normals`: mean normals of the finer levels. */
+  /** `file` is the parseLobes() of a file. `normals` has the mean normals of the finer levels. */
   setLobes(file, normals) {
     const { gl } = this;
     const blocks = file.format === VK_BC5;
@@ -246,7 +248,7 @@ class LookGl {
 
   get isLost() { return this.gl.isContextLost(); }
 
-  /** Returns whether a method can be drawn; textures of the engine's rule are made when they are first drawn. */
+  /** Returns whether a method can be drawn. Textures for an engine's rule are made when they are first drawn. */
   has(method) { return method !== "export" || this.materials.has(method); }
 
   bytesOf(method) { return method === "lobes" ? this.lobes.bytes : this.materials.get(method).bytes; }
@@ -274,8 +276,9 @@ class LookGl {
     this.size = [width, height];
   }
 
-  /** `scene`: rays, toClip, eye, light, diffuse, specular, f0, alpha, lock (a level, or null), exposure,
-    split (0..1). */
+  /**
+   * `scene` has rays, toClip, eye, light, diffuse, specular, f0, alpha, lock (a level or null), exposure, split (0..1).
+   */
   draw(left, right, scene) {
     const { gl } = this;
     const [width, height] = this.size;
@@ -290,7 +293,7 @@ class LookGl {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  /** Returns a method's picture of the scene, without exposure: RGBA, row by row from the lowest. */
+  /** Returns a method's picture of the scene without exposure. It is RGBA, row by row from the lowest one. */
   radiance(method, scene) {
     const { gl } = this, [width, height] = this.size, { frame } = this.targets[0];
     gl.viewport(0, 0, width, height);

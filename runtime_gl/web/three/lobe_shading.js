@@ -351,7 +351,9 @@ const GEOMETRY = `
 if (multum_is_plain) ${VARIANCE}
 `;
 
-/** Returns the fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
+/**
+ * Returns the fragment shader of a physical material with lobes. `defines` are by name, and `chunks` those of three.js.
+ */
 export function fragmentWithLobes(fragment, defines, chunks, revision) {
   const edit = (name, chunk) => {
     if (name === "normal_fragment_maps") return `${chunk}\n${NORMAL}`;

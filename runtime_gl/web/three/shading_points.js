@@ -93,11 +93,11 @@ export const VARIANCE = `{
 }`;
 
 /**
- * Returns the fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, maps sampled
- * MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` by name. `lobes`: GLSL with multum_decide(),
- * multum_shift() and multum_map(), whose first parameter numbers the lookups, in place of plain points. `geometry`:
- * the effect of the change of the geometry's normals on roughness.
- * `edit(name, text)`: returns the replacement of a chunk's text.
+ * Returns the fragment shader of a physical material that is shaded at MULTUM_EVALUATIONS points of each pixel. Maps
+ * are sampled MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` are by name. `lobes`, if given, is
+ * GLSL with multum_decide(), multum_shift() and multum_map(), whose first parameter numbers the lookups. `geometry` is
+ * the effect of the change of the geometry's normals on roughness. `edit(name, text)` returns the replacement of a
+ * chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
   { defines, lobes = null, geometry = VARIANCE, edit = (name, text) => text }) {

@@ -220,7 +220,7 @@ async function openForm() {
 }
 const lettersAreOn = () => localStorage.getItem("multum-letters") !== "off";
 const inRows = () => document.activeElement?.closest("#rows") !== null && document.activeElement !== document.body;
-/** Returns the job for the keys c and r: the open job, or the job of the row that has the focus. */
+/** Returns the job for the keys c and r: the open job, or the job in the focused row. */
 const keyJob = () => (detail.job && !inRows() ? detail.job : list.chosenJob);
 
 const LETTERS = {

@@ -29,7 +29,7 @@ const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
 const SHOWN = { plain: String, time: timeNode, bytes: (value) => (value ? bytesText(value) : ""),
   job: (value) => [value].flat().flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) };
 
-/** Returns rows of `facts` for a field, which GET /v1/types describes. */
+/** Returns the rows of `facts` for a field; GET /v1/types describes the fields. */
 function rowsOf({ name, label, form }, job) {
   const value = job[name];
   if (form === "object") return Object.entries(value).map(([key, one]) => [key, String(one)]);
@@ -177,7 +177,7 @@ export class JobDetail {
     this.progress.show(this.job);
   }
 
-  /** Reads the job again, after a break or for changes without events. */
+  /** Reads the job again, after a lost connection or for changes without events. */
   async refresh() {
     const id = this.number;
     if (id === null || !this.isOpen) return;
@@ -259,7 +259,10 @@ export class JobDetail {
     dialog.showModal();
   }
 
-  /** Downloads by script: a link cannot send the token, and the token must not appear in a list of downloads. */
+  /**
+   * Downloads with a script, because a link cannot send the token, and the token must not appear in a list of
+   * downloads.
+   */
   fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
 
   /** Makes a link to a page that shows the result; the service makes the page at the first request. */

@@ -51,7 +51,7 @@ class Row {
 }
 
 export class JobList {
-  /** `on` has open(id) and changed(job); the latter is called for each job that an event names. */
+  /** `on` has open(id) and changed(job), which is called for each job that an event names. */
   constructor(on) {
     this.on = on;
     this.rows = new Map();

@@ -74,7 +74,7 @@ function tookNodes() {
   ].filter(Boolean);
 }
 
-/** `scale`: CSS pixels per pixel, so that small objects are visible. */
+/** `scale` is the number of CSS pixels per pixel, so that small objects are visible. */
 function picture({ file, width, height }, scale, alt, ...caption) {
   return node("figure", {}, node("img", { src: file, width: scale * width, height: scale * height, alt }),
     node("figcaption", {}, caption));
@@ -130,7 +130,9 @@ const columnCount = parameters.length > 0 ? parameters.at(-1).count : 1;
 const rowCount = Math.floor(samples.length / columnCount);
 const cellWidth = Math.min(42, Math.max(4, 336 / columnCount)), cellHeight = cellWidth < 30 ? cellWidth : 24;
 
-/** Returns the parameters across and down a heat map. The text is below the map, since names may be long. */
+/**
+ * Returns a text that names the parameters across and down a heat map. It is below the map, because names may be long.
+ */
 function axesText() {
   if (parameters.length === 0) return "";
   const others = parameters.slice(0, -1).map(({ name }) => name);
