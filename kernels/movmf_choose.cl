@@ -4,19 +4,20 @@
 // measured twice: by itself, and mixed with the surrounding lobes as texture filters mix them
 // (docs/contributing/ALGORITHMS.md, "Level 1").
 //
-// With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times their root
-// mean square distance from their mean. For lobes j with normals S_j and surroundings T_j, an assignment costs
+// For any set of normals, let c be the sum of weights, m = sum n and q = sum |n|^2. Then sqrt(c q - |m|^2) is c times
+// their root mean square distance from their mean. For lobes j with normals S_j and surroundings T_j, an assignment
+// costs
 //
 //   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
 //
 // where e is half the inverse of the cap of kappa, a width that is too small to be visible in any highlight. T_j is the
 // mean of lobe j over the parents and over the neighbours that are done; the parents are weighted as by a filter
-// between levels. c q - |m|^2 is a sum over pairs of normals, and pairs of S_j and T_j, and is computed from these
-// pairs. If rounding makes it negative, its size is still far below e.
+// between levels. The difference c q - |m|^2 is a sum over pairs of normals, and is computed from these pairs. If
+// rounding makes it negative, its size is still far below e.
 //
 // The assignment of least cost is found one lobe after another. The least cost of giving the normals S to the first j
-// lobes is a minimum over the subsets A of S: A goes to lobe j, and the remaining normals go to the first j - 1 lobes
-// at their least cost.
+// lobes is a minimum over the subsets A of S. A goes to lobe j, and the other normals go to the first j - 1 lobes at
+// their least cost.
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"

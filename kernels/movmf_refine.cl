@@ -278,8 +278,9 @@ static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, 
   return energy;
 }
 
-// Pools half of one lobe and half of another as filtering does. by_one[row][column] is the derivative of the pooled
-// lobe's parameters by those of the first lobe. The pooled lobe's fourth parameter is its spread, which may be 0.
+// Pools half of one lobe and half of another, as texture filters do. by_one[row][column] is the derivative of the
+// pooled lobe's parameters by those of the first lobe. The pooled lobe's fourth parameter is its spread, which may be
+// 0.
 static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* lobe, real_v* by_one) {
   const real_v amplitude = 0.5f * (one->amplitude + other->amplitude), inverse = 1.0f / amplitude;
   const real_v length_one = 1.0f - one->spread;

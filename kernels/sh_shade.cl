@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of its output (Han
-// et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0. Highlights are convolved, and on request multiplied
-// by the cosine n . l of the light.
+// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of its output. The
+// formula is the sum of a_l g_lm Y_lm, clamped at 0 (Han et al. 2007, section 5). Highlights are convolved, and on
+// request multiplied by the cosine n . l of the light.
 
 #include "device/spherical_harmonics.clh"
 #include "device/vmf_lit.clh"

@@ -2,9 +2,9 @@
 // Plays a packed field. In each frame, a program asks for a point of the parameter space, and gets the textures of
 // every object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded
 // when they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a
-// single sample, workers add up the sample's coefficients instead and cache whole textures: only one transform is
-// needed for all images, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be anywhere
-// near the field's samples; docs/contributing/ALGORITHMS.md gives the allowed distance.
+// single sample, workers instead add up the sample's coefficients and cache whole textures. Then all images need only
+// one transform, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be anywhere near
+// the field's samples; docs/contributing/ALGORITHMS.md gives the allowed distance.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)

@@ -42,10 +42,11 @@ enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// References: kNearest uses only level 0, with its texels as facets. kBlended chooses one of the four surrounding
-  /// texels at random, with their bilinear weights at level 0 as probabilities. kInterpolated uses the normal
-  /// interpolated between the four texels. kFootprint chooses at random one of the texels that the scene's
-  /// TextureFilter averages (exact distributions, common/footprint.glsl). Baselines: kMipmapped uses box-filtered mips.
+  /// The references differ in the normal that a sample uses. kNearest uses only level 0, with its texels as facets.
+  /// kBlended chooses one of the four surrounding texels at random, with their bilinear weights at level 0 as
+  /// probabilities. kInterpolated uses the normal interpolated between the four texels. kFootprint chooses at random
+  /// one of the texels that the scene's TextureFilter averages (exact distributions, common/footprint.glsl). Baselines:
+  /// kMipmapped uses box-filtered mips.
   enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 

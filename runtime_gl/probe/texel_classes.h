@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides texels into classes, so that no filter footprint contains two texels of a class. The weight of a class in a
-// pixel is then the weight of one texel. A trilinear footprint is 2 x 2 texels in each of two successive levels: the
+// pixel is then the weight of one texel. A trilinear footprint is 2 x 2 texels in each of two successive levels, so the
 // parities of column, row and level make 8 classes. Anisotropic footprints are wider and need more classes.
 //
 // In each direction, a level of n texels is cut into blocks of at least `span` texels, and a texel's class is its place

@@ -51,7 +51,7 @@ struct ShaderVariant {
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
 constexpr int kTimedFrames = 3;        // frames that Renderer::draw times, an odd number
-constexpr double kLongFrameMs = 10.0;  // longer frames are timed only once: some take seconds in software
+constexpr double kLongFrameMs = 10.0;  // longer frames are timed only once, because some take seconds in software
 constexpr int kReferenceUnits = 1000;  // units of progress per reference picture
 
 class Renderer {

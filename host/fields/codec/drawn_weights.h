@@ -31,10 +31,10 @@ std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const st
 /// Returns the weights of the finest texels in the picture, including the coarser levels: A^T 1.
 std::vector<float> texel_masses(const FilterMatrix& matrix);
 
-/// Returns the squared visibility of errors of each layer's gamma-coded texture in the gamma-coded sum of the layers,
-/// per cell of kShareCell x kShareCell texels, row by row. The value is (L_i / L)^(2 - 2 / 2.2) times the squared
-/// coverage, averaged over the pixels that show the cell. Invisible cells get the mean of the visible cells. Each of
-/// the `layers` is the radiance of all levels, [texel][3].
+/// Returns how visible errors of each layer's gamma-coded texture are in the gamma-coded sum of the layers. There is
+/// one squared visibility per cell of kShareCell x kShareCell texels, row by row. The value is (L_i / L)^(2 - 2 / 2.2)
+/// times the squared coverage, averaged over the pixels that show the cell. Invisible cells get the mean of the visible
+/// cells. Each of the `layers` is the radiance of all levels, [texel][3].
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers);
 

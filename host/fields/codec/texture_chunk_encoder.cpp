@@ -213,9 +213,9 @@ class Residual {
   Residual(std::vector<PlaneCoefficients> lacking, const std::vector<std::vector<float>>& weights)
       : lacking_(std::move(lacking)), weights_(weights) {}
 
-  /// Returns the image that fits its samples best in least squares. Each coefficient is (sum q w r / t) / (sum q w),
-  /// where q comes from error_share(), w is the weight, r the remaining difference, and t the image's share. Sets
-  /// `weights` to the denominator.
+  /// Returns the image that fits its samples best in least squares. Each coefficient is (sum q w r / t) / (sum q w). q
+  /// comes from error_share(), w is the weight, r the remaining difference, and t the image's share. Sets `weights` to
+  /// the denominator.
   PlaneCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
                            std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();

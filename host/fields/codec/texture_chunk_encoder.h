@@ -2,7 +2,7 @@
 // Encodes the textures of one layer of an object over one block of parameters as a texture chunk (Hakura et al. 2000,
 // section 4): an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
 //
-// Departures from the paper: The coder is a closed loop: an image is the weighted mean of the differences between its
+// Departures from the paper: The coder is a closed loop. An image is the weighted mean of the differences between its
 // samples and the sum of the decoded coarser images. Finer images thus correct quantization errors of coarser images.
 // The errors of each coefficient are weighted by its visibility in drawn pixels. Steps and the choice of coefficients
 // follow from one Lagrange multiplier. One multiplier gives all images of all chunks the same slope of error over bits.

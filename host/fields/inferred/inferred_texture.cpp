@@ -81,7 +81,7 @@ void write_inferred_texture(const InferredTexture& texture, const std::string& p
       const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
       const auto begin = texture.texels.begin() + 3 * level.offset;
       values.resize(value_count(level));
-      // Infinity would spread: the filter multiplies it by a zero weight, which gives NaN.
+      // Infinity would spread to other texels, because the filter multiplies it by zero weights, which gives NaN.
       std::transform(begin, begin + static_cast<std::ptrdiff_t>(values.size()), values.begin(),
                      [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
       output.setFrameBuffer(frame_of(values.data(), level.width));

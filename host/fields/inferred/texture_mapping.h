@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An affine map of an object's own texture coordinates onto its inferred texture (Hakura et al. 2000, section 3.4): six
-// values, and the branch cuts of periodic directions.
+// Defines an affine map of an object's own texture coordinates onto its inferred texture (Hakura et al. 2000, section
+// 3.4): six values, and the branch cuts of periodic directions.
 #pragma once
 
 #include <array>

@@ -14,9 +14,9 @@ namespace multum {
 /// The parts of a chunk that are decoded and kept.
 enum class DecodedKind {
   kImages,  // single images; a sample is a sum of images, which neighbouring samples share
-  /// Like kImages, but decodes the sum of a sample's images in one step, at the cost of one image, if two or more
-  /// images are missing now. Textures are then complete sooner after a jump, but the images of a frame, and their
-  /// rounding, depend on time.
+  /// Single images as for kImages. But if two or more images of a sample are missing now, their sum is decoded in one
+  /// step, at the cost of one image. Textures are then complete sooner after a jump, but the images of a frame, and
+  /// their rounding, depend on time.
   kImagesAndSums,
   kTextures,  // whole textures of single samples: radiance with all mip levels. For points on a single sample
 };

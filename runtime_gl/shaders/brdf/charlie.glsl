@@ -4,8 +4,8 @@
 // KHR_materials_sheen. D is brightest at right angles to n and 0 at n. A sum of vMFs around h cannot approximate a
 // sharp D, but is not needed.
 //
-// V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007. KHR_materials_sheen allows it instead of V of
-// Estevez and Kulla, and Filament and three.js use it, so artists see the same result here as in their engine.
+// V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007. KHR_materials_sheen allows this V instead of the V
+// of Estevez and Kulla. Filament and three.js use it, so artists see the same result here as in their engine.
 
 // Returns (1 + p) / pi (1 - t^2)^p = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with p = 1 / (2 alpha), t = n.h,
 // e = 1 - t.
@@ -30,7 +30,7 @@ vec2 multum_lobe_projection(float d, float kappa, float t) {
 // the shape that has this product. Only normals that face h count. n.h is approximately normally distributed over the
 // lobe and D is about exp(-p (n.h)^2), so the share of these normals is Phi(x). The result is exact for a single normal
 // and for uniform directions. In between, the relative L1 error over the hemisphere of h is at most 9 %, at kappa 3,
-// and 2 % from 40 on (roughness 0.05 to 1, kappa 0.5 to 2000; tests/gl/charlie_test).
+// and at most 2 % from kappa 40 on (roughness 0.05 to 1, kappa 0.5 to 2000; tests/gl/charlie_test).
 float multum_movmf_charlie(vec4 lobe, vec3 h, float p) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe), r = 1.0 - d;

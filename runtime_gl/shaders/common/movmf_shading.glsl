@@ -15,11 +15,11 @@
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, times the amplitude. A lobe of amplitude 0 (no material, or a lobe that does not occur here) returns
-// 0. The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over
+// 0. The highlight's own cosine max(n . l, 0) also depends on n. multum_movmf_highlight_cosine() returns its mean over
 // f(n . h) vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
 
 const float MULTUM_PI = 3.14159265358979;
-const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller amplitudes count as 0; 1/32767, the least stored amplitude, is 30
+const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller counts as 0; 1/32767, the least stored amplitude, is 30
                                           // times this
 
 // Returns 1 - |r|, the lobe's spread: 0 for one direction, 1 for all directions. It is computed as (a - |a r|) / a.

@@ -67,8 +67,8 @@ vec3 multum_half_vector(vec3 l, vec3 v) {
   return sum / max(length(sum), 1e-6);
 }
 
-// Returns tangent, bitangent, normal. A tangent along the normal, or a missing one (meshes have such tangents where
-// their coordinates do not change), is replaced by any vector at right angles.
+// Returns tangent, bitangent, normal. A missing tangent, or one along the normal, is replaced by any vector at right
+// angles. Meshes have such tangents where their texture coordinates do not change.
 mat3 multum_tangent_frame(vec3 normal, vec4 tangent) {
   vec3 n = normalize(normal);
   vec3 t = tangent.xyz - n * dot(n, tangent.xyz);

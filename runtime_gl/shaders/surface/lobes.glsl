@@ -247,7 +247,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     mean_colour += colour;
 #endif
 #ifdef MULTUM_BASIS
-    // Shading is linear in (a r, a): weights are amplitudes.
+    // Shading is linear in (a r, a), so weights act as amplitudes.
     float weight = multum_filtered(u_weights[j], st, footprint)[MULTUM_BASIS];
     mean_weight += weight;
     lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);

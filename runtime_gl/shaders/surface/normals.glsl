@@ -3,8 +3,8 @@
 //   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// REFERENCE has variants that replace the nearest texel: MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
-// at random, MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages, and MULTUM_INTERPOLATED
+// REFERENCE has variants that replace the nearest texel. MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
+// at random. MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages. MULTUM_INTERPOLATED
 // interpolates the four normals. MULTUM_ROUGHNESS: the lengths of normals hold a BRDF's width; REFERENCE uses each
 // normal's own width. MULTUM_ROUGHNESS_MAP (not REFERENCE): normals have unit length, and the width comes from a
 // roughness map, averaged as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes NAME.ndf.exr of vMF lobes (docs/reference/file_format.md) for a GPU, in a worker: the lobes in the layout of
 // multum export --lobes --texels rgba16f (host/delivery/export/lobes/lobe_encoding.cpp), and the normals of level 0.
-// Reads the part of OpenEXR ("OpenEXR File Layout", openexr.com) that multum writes: tiled parts, one level or
-// mip-mapped, with halfs and floats, compressed by none, RLE, ZIPS or ZIP. Checks all sizes in a file before it
-// allocates memory for them.
+// Reads the part of OpenEXR ("OpenEXR File Layout", openexr.com) that multum writes: tiled parts with one level or mip
+// levels, with halfs and floats, and with the compressions none, RLE, ZIPS and ZIP. Checks all sizes in a file before
+// it allocates memory for them.
 //
 //   magic, version | header of each part | 8 bytes per tile: its offset, parts and levels in order | tiles
 //   tile: part (only in multi-part files), tile x, tile y, level x, level y, size: 4 bytes each | data

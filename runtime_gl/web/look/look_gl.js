@@ -52,8 +52,8 @@ void main() {
   gl_Position = u_to_clip * vec4(a_position, 1.0);
 }`;
 
-// The tangent frame comes from the texture coordinates' derivatives (Schueler 2013, "Followup: Normal Mapping Without
-// Precomputed Tangents"), orthonormal; +Y of normal maps is the direction in which v shrinks.
+// The orthonormal tangent frame comes from the texture coordinates' derivatives (Schueler 2013, "Followup: Normal
+// Mapping Without Precomputed Tangents"). +Y of normal maps is the direction in which v shrinks.
 const MODEL_MAIN = `
 uniform vec3 u_eye;
 in vec3 v_position;

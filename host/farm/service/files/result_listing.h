@@ -5,8 +5,8 @@
 // therefore not followed.
 //
 // Any user who may write to the folder may write a listing too. Therefore the last line of a listing proves that the
-// service wrote it: "seal" and a code with the service's key (HMAC, SHA-256) over the folder's inode and the preceding
-// lines.
+// service wrote it. This line has the word "seal" and a code with the service's key (HMAC, SHA-256) over the folder's
+// inode and the preceding lines.
 #pragma once
 
 #include <map>

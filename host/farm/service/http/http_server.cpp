@@ -203,7 +203,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     asio::co_spawn(io, serve_spare(line, this->shared_from_this()), asio::detached);
   }
 
-  // Arguments are destroyed in reverse order: the share is returned to a budget that still exists.
+  // Arguments are destroyed in reverse order, so the share is returned to a budget that still exists.
   static asio::awaitable<void> serve(std::shared_ptr<State> self, std::shared_ptr<HttpLine> line,
                                      [[maybe_unused]] MemoryShare its_own) {
     const Counted counted(self->open);

@@ -7,7 +7,7 @@
 //                                      said.txt                      the child's output, and how it ended if it failed
 //                                      sources.txt                   identities of the maps that the child was given
 //
-// IDENTITY is the identity of the published result (staging.h): pictures of another result are never shown, and
+// IDENTITY is the identity of the published result (staging.h). Pictures of another result are never shown, and
 // pictures that show a map are made again when the map has changed. All files count against data_max. Of large views,
 // such as pages that contain maps, only the newest are kept; others are made again on request.
 #pragma once

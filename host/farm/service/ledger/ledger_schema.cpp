@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A new field of jobs needs no new version: its column has a default, and earlier versions of multum ignore it.
+// A new field of jobs needs no new version, because its column has a default, and earlier versions of multum ignore it.
 constexpr std::int64_t kSchemaVersion = 6;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": identifies ledgers for `file` and others
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): the
-// pyramid's images, and the sum of images that makes each sample. A level halves some dimensions of the next finer
-// level, each of them any number of times. Dimensions can thus be halved in any order, and levels can be left out. Any
-// number of dimensions and any sizes are allowed: halving 5 samples gives 3 cells, and the last cell covers only one
-// sample.
+// Defines the adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): its
+// images, and which images add up to each sample. A level halves some dimensions of the next finer level, each of them
+// any number of times. Dimensions can thus be halved in any order, and levels can be left out. Any number of dimensions
+// and any sizes are allowed: halving 5 samples gives 3 cells, and the last cell covers only one sample.
 #pragma once
 
 #include <cstddef>

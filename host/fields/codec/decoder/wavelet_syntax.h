@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Codes the quantized wavelet coefficients of a plane, bit plane by bit plane from the highest. Every prefix then gives
 // all coefficients to some precision. Each bit plane has a pass that finds new coefficients, and a pass that refines
-// the coefficients found in earlier planes. The first pass descends a quadtree over each band; a node is significant if
+// the coefficients found in earlier planes. The first pass descends a quadtree over each band. A node is significant if
 // a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image
-// coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours, and the nodes at
-// the same place in the next coarser band, in the coarser image of the pyramid over parameters, and in luma (as in
-// embedded zero-block coding: Hsiang and Woods 2000).
+// coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours and three nodes at
+// the same place: in the next coarser band, in the coarser image of the pyramid over parameters, and in luma. This is
+// similar to embedded zero-block coding (Hsiang and Woods 2000).
 #pragma once
 
 #include <algorithm>

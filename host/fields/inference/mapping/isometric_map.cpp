@@ -2,8 +2,8 @@
 // With e the edge in texture coordinates, l = |R e|, s its length on the screen, eq. 7 is
 //     f(R) = sum W g(l),   g(l) = ((l - s) / min(s, l))^2 = (l / s - 1)^2 for l >= s,  (s / l - 1)^2 for l < s,
 //     g'(l) = 2 (l / s - 1) / s                            for l >= s,  -2 (s / l - 1) s / l^2 for l < s,
-// Both branches have value 0 and second derivative 2 / s^2 at l = s: f is smooth enough for conjugate gradient. As l^2
-// = e^T R^T R e, dl/dR = (R e) e^T / l, and
+// Both branches have value 0 and second derivative 2 / s^2 at l = s, so f is smooth enough for conjugate gradient. As
+// l^2 = e^T R^T R e, dl/dR = (R e) e^T / l, and
 //     grad f = sum W g'(l) / l (R e) e^T.
 // The search finds Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
 // mesh scales u and v.
