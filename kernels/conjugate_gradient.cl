@@ -11,8 +11,8 @@
 int part_begin(int texel_count, int part, int part_count) { return (int)(((long)texel_count * part) / part_count); }
 
 // Computes parts[part] = sum of p q over the part's range. With is_bounded, first sets q = is_free (q + diagonal p).
-// This adds the diagonal of range regularisation, and sets q to 0 for texels that are fixed at a bound. One work-item =
-// one part; global size part_count.
+// The formula adds the diagonal of range regularisation, and sets q to 0 for texels that are fixed at a bound. One
+// work-item = one part; global size part_count.
 __kernel void curvature_product(__global const float4* p, __global float4* q, __global const float4* diagonal,
                                 __global const float4* is_free, __global float4* parts, int is_bounded, int texel_count,
                                 int part_count) {

@@ -45,7 +45,7 @@
 #endif
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 #define PARAMETERS (4 * MULTUM_LOBES)
-// Index into the lower triangle of a symmetric matrix, stored by rows.
+// The index into the lower triangle of a symmetric matrix, which is stored by rows.
 #define TRIANGLE(row, column) ((row) * ((row) + 1) / 2 + (column))
 
 __constant float brdf_weights[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_WEIGHTS;
@@ -366,8 +366,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Adds the term for the moments. It is added after the diagonal is raised, because damping by moments would keep lobes
-// from moving. Returns the energy.
+// Adds the term for the moments. This term is added after the diagonal is raised, because damping by moments would keep
+// lobes from moving. Returns the energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];

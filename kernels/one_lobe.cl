@@ -3,9 +3,9 @@
 // every covered normal, there are the facets of the base roughness.
 //
 // The slopes x of GGX facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter
-// et al. 2007, eq. 33, over the projected facet). This is a bivariate Student t distribution with two degrees of
-// freedom and scale matrix S = alpha^2 / 2. The likelihood is maximised as for every t distribution (Lange, Little and
-// Taylor 1989, section 3; here nu = 2 and d = 2):
+// et al. 2007, eq. 33, over the projected facet). This density is a bivariate Student t distribution with two degrees
+// of freedom and scale matrix S = alpha^2 / 2. The likelihood is maximised as for every t distribution (Lange, Little
+// and Taylor 1989, section 3; here nu = 2 and d = 2):
 //
 //     w = 4 / (2 + (x - m)' S^-1 (x - m))      m = sum(w x) / sum(w)      S = sum(w (x - m) (x - m)') / sum(w)
 //
@@ -26,8 +26,8 @@
 #define FACET_COSINE_MIN 0.05f
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
-// A frame about the unit normal n. Its x axis is the map's x axis, turned into the tangent plane by Gram-Schmidt, as in
-// renderers.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+// A frame about the unit normal n. The frame's x axis is the map's x axis, turned into the tangent plane by
+// Gram-Schmidt, as in renderers.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
 typedef struct LobeFrame {
   real_v xx, xy, xz;  // the frame's x axis
   real_v yy, yz;      // the y axis; its x component is 0

@@ -9,8 +9,8 @@
 #define MULTUM_CHOICE_AROUND 3.5f
 // Weight of the parent in the surroundings; a neighbour has weight 1.
 #define MULTUM_CHOICE_PARENT 3.0f
-// The least amplitude for a parent's nearly empty lobes. It lets a normal that fits no other lobe go to the nearest of
-// several empty lobes.
+// The least amplitude for a parent's nearly empty lobes. With this limit, a normal that fits no other lobe goes to the
+// nearest of several empty lobes.
 #define MULTUM_CHOICE_AMPLITUDE_MIN 0.01f
 
 #endif

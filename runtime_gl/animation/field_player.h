@@ -58,8 +58,8 @@ class FieldPlayer {
   /// Forgets all decoded images, so that the next frame measures the cost of a jump to any point.
   void forget_all();
 
-  /// Returns the textures to add up at the point, and the mapping whose coordinates they use. They are valid until the
-  /// next prepare().
+  /// Returns the textures to add up at the point, and the mapping whose coordinates they use. The textures are valid
+  /// until the next prepare().
   std::vector<const Texture*> layers(std::size_t object) const;
   std::size_t mapping(std::size_t object) const;
   /// Returns the world-to-clip matrix of a point. Between samples, the camera's position is interpolated linearly and

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a two-dimensional texture, or an array of such textures. Its levels are uploaded explicitly: mips are data
-// and never made by the driver.
+// Defines a two-dimensional texture, or an array of such textures. The levels of a texture are uploaded explicitly:
+// mips are data and never made by the driver.
 #pragma once
 
 #include <cstdint>

@@ -42,8 +42,8 @@ class MovmfMaterial : public Material {
   void set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy);
 
   void set_formula(LobeFormula formula) { formula_ = formula; }
-  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes. This is
-  /// for lobes that are not aligned, and only for files that begin at level 0.
+  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes. Use this
+  /// for lobes that are not aligned. The file must begin at level 0.
   void set_shade_first(bool shade_first);
 
   /// Where level 0 is magnified, draws the surface of an interpolated normal map instead of mixing the light of the
@@ -55,8 +55,8 @@ class MovmfMaterial : public Material {
   /// environments or shade_first.
   void set_drawn(const GlFunctions& gl, DrawnNoise noise);
 
-  /// Sets linear colours of the map's texels for mipmaps without colours. They are filtered as a plain texture, and all
-  /// lobes share them.
+  /// Sets linear colours of the map's texels for mipmaps without colours. The colours are filtered as a plain texture,
+  /// and all lobes share them.
   void set_mean_colours(Texture colours);
 
   const char* name() const override { return "movmf"; }

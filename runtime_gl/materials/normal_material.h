@@ -67,8 +67,8 @@ class NormalMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   bool has_roughness_ = false;
-  // Only for kMipmapped: sets (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map. It is used
-  // with unit normals.
+  // Only for kMipmapped: sets (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map. The
+  // roughness is used with unit normals.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
   Sampling sampling_;

@@ -101,7 +101,7 @@ class ProbeTextures {
   std::vector<Texture> textures_;
 };
 
-// Returns the rectangle of a band that the object covers. Its width is 0 if it covers nothing.
+// Returns the rectangle of a band that the object covers. The width is 0 if the object covers nothing.
 PixelRectangle covered_part(const FloatImage& place) {
   int left = place.width, right = -1, top = place.height, bottom = -1;
   for (int y = 0, i = 0; y < place.height; ++y)
@@ -198,8 +198,8 @@ class BandDecoder {
           const int ty = wrapped(y0 + dy, level.height, mapping_.wrap_t);
           if (classes_.class_of(l, tx, ty) != of_class) continue;
           const int texel = level.offset + ty * level.width + tx;
-          // Digits have an error of the rounding error divided by the weight. Coordinates have an error below a
-          // hundredth of a texel.
+          // The error of the digits is the rounding error divided by the weight. The error of the coordinates is below
+          // a hundredth of a texel.
           const double gap = std::max({0.0, std::abs(x - (x0 + dx)) - 1.0, std::abs(y - (y0 + dy)) - 1.0});
           const double digits = std::abs(static_cast<double>((texel + 1) % kDigit) - static_cast<double>(low_digit)) +
                                 std::abs(static_cast<double>((texel + 1) / kDigit) - static_cast<double>(high_digit));
@@ -254,8 +254,8 @@ void append(FilterMatrix& matrix, const PixelRows& rows) {
   }
 }
 
-// Averages the rows of the sub-pixels that the object covers, for one row of pixels. This is the box filter over the
-// pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top` is the band's first row of
+// Averages the rows of the sub-pixels that the object covers, for one row of pixels. The mean is the box filter over
+// the pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top` is the band's first row of
 // sub-pixels in the picture.
 PixelRows decode_pixel_row(const BandDecoder& band, int y, int top, int supersampling, int width) {
   PixelRows rows;

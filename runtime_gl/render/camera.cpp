@@ -30,7 +30,7 @@ struct AxisPoint {
 };
 
 // Returns the least distance of the eye, at the best offset, for which `|x - offset| <= t * (distance - z)` holds for
-// all points. This means `x + t * z <= t * distance + offset` and `t * z - x <= t * distance - offset`.
+// all points. The condition means `x + t * z <= t * distance + offset` and `t * z - x <= t * distance - offset`.
 float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
   float most = -std::numeric_limits<float>::max(), least = most;
   for (const AxisPoint& p : points) {

@@ -35,8 +35,8 @@ class EnvironmentShading {
   /// Sets the directions of sample number `sample` of the picture, for materials that sample light.
   void set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const;
 
-  /// Returns the processor time of set() since the last call. It is the cost of a changing environment or camera, in
-  /// addition to drawing.
+  /// Returns the processor time of set() since the last call. This time is the cost of a changing environment or
+  /// camera, in addition to drawing.
   double take_processor_seconds() { return std::exchange(processor_seconds_, 0.0); }
 
  private:

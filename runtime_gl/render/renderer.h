@@ -46,8 +46,8 @@ struct ShaderVariant {
   std::vector<std::string> uniforms;
 };
 
-/// Returns the fragment shader of a material, a BRDF and lights. It has the flags of all parts, and every text only
-/// once.
+/// Returns the fragment shader of a material, a BRDF and lights. The shader has the flags of all parts, and every text
+/// only once.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
 constexpr int kTimedFrames = 3;        // frames that Renderer::draw times, an odd number

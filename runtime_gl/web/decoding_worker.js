@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that decodes chunks of a packed field, one request after another. It keeps the last few decoded chunks,
-// because the page will ask for their other textures. If the module's memory, which never shrinks, has grown too far,
-// the worker restarts the module.
+// A worker that decodes chunks of a packed field, one request after another. The worker keeps the last few decoded
+// chunks, because the page will ask for their other textures. If the module's memory, which never shrinks, has grown
+// too far, the worker restarts the module.
 //
 //   gets { wasm }                                                 bytes of packed_field.wasm, once
 //   gets { id, chunk, bytes, texture, textures, width, height }   bytes is null if the worker should still have the

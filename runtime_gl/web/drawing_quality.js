@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the number of sub-pixels while the position moves. It is lower if frames take too long, and higher otherwise.
-// Also measures frames per second.
+// Chooses the number of sub-pixels while the position moves. The number is lower if frames take too long, and higher
+// otherwise. Also measures frames per second.
 
 const SLOW_FRAME_MS = 45;
 const FAST_FRAME_MS = 20; // displays of 60 Hz show a frame every 16.7 ms

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the description of a packed field (docs/reference/packed_fields.md, "The description"). It may come from an
-// untrusted file, and drawing code relies on every index and size.
+// Checks the description of a packed field (docs/reference/packed_fields.md, "The description"). The description may
+// come from an untrusted file, and drawing code relies on every index and size.
 import { FieldError } from "./byte_source.js";
 
 const SIDE_MAX = 16384;

@@ -47,8 +47,8 @@ struct ChosenChunk {
 };
 
 /// Returns the chunk with the least error + lambda bits. The first coder tries every pyramid, and larger bases as long
-/// as more images lower the cost. A later coder first tries the best settings so far. It tries other settings only if
-/// it has the lowest cost with the best ones. `step` is as in ChunkEncoder.
+/// as more images lower the cost. A later coder first tries the best settings so far. A later coder tries other
+/// settings only if it has the lowest cost with the best ones. `step` is as in ChunkEncoder.
 ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
                        double lambda, const std::function<void()>& step);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. Coefficients are chosen
-// by rate and distortion. For each block, the encoder tries to drop bands and to lower each coefficient by one step. It
-// keeps the choice with the least error + lambda bits. The number of bits is estimated from the contexts.
+// by rate and distortion. For each block, the encoder tries to drop bands and to lower each coefficient by one step.
+// The encoder keeps the choice with the least error + lambda bits. The number of bits is estimated from the contexts.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holds the error weights of an object's coefficients in each of its poses. If something moves in front of an object,
 // the object has as many poses as the field has samples, and most of these poses differ only in occlusion. Poses that
-// differ only in occlusion are not measured. They get the energies of similar measured poses, scaled by the visible
-// part of each cell of texels.
+// differ only in occlusion are not measured. Unmeasured poses get the energies of similar measured poses, scaled by the
+// visible part of each cell of texels.
 #pragma once
 
 #include <cstddef>

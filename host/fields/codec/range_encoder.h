@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes binary symbols of given probabilities as bytes that RangeDecoder reads. It is a 32-bit range coder (Martin
-// 1979) that carries into bytes already written.
+// Writes binary symbols of given probabilities as bytes that RangeDecoder reads. The encoder is a 32-bit range coder
+// (Martin 1979) that carries into bytes already written.
 #pragma once
 
 #include <cstdint>

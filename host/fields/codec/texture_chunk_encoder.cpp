@@ -206,7 +206,7 @@ float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-/// The remaining difference of each sample, by coefficient. It gives the target of the next image.
+/// The remaining difference of each sample, by coefficient. The difference gives the target of the next image.
 class Residual {
  public:
   /// The `weights`, [sample][coefficient], must outlive this object.

@@ -55,7 +55,7 @@ void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
 /// columns beyond the texture, or weights that are not finite.
 FilterMatrix read_filter_matrix(const std::string& path);
 
-/// Returns only the key. It is empty if the file does not exist or is not a filter matrix.
+/// Returns only the key. The key is empty if the file does not exist or is not a filter matrix.
 std::string filter_matrix_key(const std::string& path);
 
 /// Writes the Matrix Market coordinate format (Boisvert et al. 1996) of type "real general", with indices from 1 and

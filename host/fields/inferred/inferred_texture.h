@@ -32,7 +32,7 @@ void round_to_half(std::vector<float>& values);
 /// Throws Error(kInput) naming the file and its fault.
 InferredTexture read_inferred_texture(const std::string& path);
 
-/// Returns only the provenance. It is empty if the file does not exist or is not an inferred texture.
+/// Returns only the provenance. The provenance is empty if the file does not exist or is not an inferred texture.
 std::string read_texture_provenance(const std::string& path);
 
 struct InferredLayer {

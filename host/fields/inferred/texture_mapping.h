@@ -38,8 +38,8 @@ struct TextureMapping {
 glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
                      const TextureMapping& mapping);
 
-/// Returns the mapped texture coordinates of every triangle's corners, three per triangle. They are not per vertex,
-/// because a vertex at a cut has two coordinates.
+/// Returns the mapped texture coordinates of every triangle's corners, three per triangle. Coordinates are not stored
+/// per vertex, because a vertex at a cut has two of them.
 std::vector<glm::vec2> mapped_corners(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices,
                                       const TextureMapping& mapping);
 

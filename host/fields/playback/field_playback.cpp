@@ -166,7 +166,7 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
   return need;
 }
 
-/// Returns true also if the image is already uploaded.
+/// Also returns true if the image is already uploaded.
 bool FieldPlayback::has(ImageKey key) const {
   const auto found = images_.find(key);
   return found != images_.end() && found->second.state != ImageState::kAwaited;

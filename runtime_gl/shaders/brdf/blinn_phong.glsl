@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes Blinn-Phong for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl).
 //
-// Departures from the paper. Its rule s' = kappa s / (kappa + s) (eq. 20) is kept as multum_movmf_blinn_phong_paper().
-// The relative L1 error of this rule over the hemisphere is 3 % at kappa 50, 22 % at 5, and 54-70 % at kappa <= 1. The
-// rule here uses an exact property of spherical convolution: the convolved lobe has the mean cosine A = |r| c_f, where
-// c_f is the mean cosine of f. One weight blends two shapes that have this mean cosine. A vMF is accurate for broad
-// lobes. A cosine power is accurate for lobes sharper than f, and exact at |r| = 1. The errors, measured by quadrature
-// (tools/lab/fit_shading.py; tests/agreement, ShadingBounds), are at most 7 % from s = 1, 4 % from 2, 2.8 % from 3, 1.8
-// % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa. The error is largest at kappa 2 to 5.
+// Departures from the paper. The paper's rule s' = kappa s / (kappa + s) (eq. 20) is kept as
+// multum_movmf_blinn_phong_paper(). The relative L1 error of this rule over the hemisphere is 3 % at kappa 50, 22 % at
+// 5, and 54-70 % at kappa <= 1. The rule here uses an exact property of spherical convolution: the convolved lobe has
+// the mean cosine A = |r| c_f, where c_f is the mean cosine of f. One weight blends two shapes that have this mean
+// cosine. A vMF is accurate for broad lobes. A cosine power is accurate for lobes sharper than f, and exact at |r| = 1.
+// The errors, measured by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds), are at most 7 % from s
+// = 1, 4 % from 2, 2.8 % from 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa. The error is largest at
+// kappa 2 to 5.
 
 // The constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 -
 // c_f)).

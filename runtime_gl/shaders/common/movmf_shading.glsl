@@ -92,8 +92,9 @@ float multum_movmf_lambert(vec4 lobe, vec3 l) {
 }
 
 // Returns the normals of the lobe that reflect from l to the eye. Their distribution is f(n . h) vMF(n). If f is a vMF
-// about h of concentration facet_kappa, their distribution is also a vMF. Its mean vector is facet_kappa h + kappa mu,
-// and the length of this vector is its concentration. Returns the mean direction in xyz and the spread in w.
+// about h of concentration facet_kappa, their distribution is also a vMF. The mean vector of this vMF is facet_kappa h
+// + kappa mu, and the length of this vector is its concentration. Returns the mean direction in xyz and the spread in
+// w.
 vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
   float d = multum_movmf_spread(lobe);
   vec3 sum = facet_kappa * h + multum_vmf_kappa(d) * multum_movmf_mean_direction(lobe);
@@ -111,10 +112,10 @@ float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
 }
 
-// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. This is for renderers that keep one
-// normal per pixel, such as deferred renderers. Choose a lobe with its amplitude as probability, draw the normal here,
-// and shade it with the material's own roughness. The mean over frames is the sum over lobes. 1 - cosine by inversion
-// (Ulrich 1984), tangents by Duff et al. 2017.
+// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. The function is for renderers that
+// keep one normal per pixel, such as deferred renderers. Choose a lobe with its amplitude as probability, draw the
+// normal here, and shade it with the material's own roughness. The mean over frames is the sum over lobes. 1 - cosine
+// by inversion (Ulrich 1984), tangents by Duff et al. 2017.
 vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   vec3 mu = multum_movmf_mean_direction(lobe);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-3);
@@ -133,8 +134,9 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
 // texels, the filter's mean is as short as if the pixel covered all four texels. If normals turn by g per texel, the
 // length of the mean falls by g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2
 // of this loss. From w^2 = 2 on, where coarser levels take over, it sees the whole loss. `map_lod` is log2 w, where w
-// is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a black border. This is not for files with
-// roughness in their lobes (multum:roughness), because their lengths also contain the BRDF's width.
+// is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a black border. Do not use this function for
+// files with roughness in their lobes (multum:roughness), because the lengths of these lobes also contain the BRDF's
+// width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);
   if (size <= MULTUM_AMPLITUDE_MIN) return lobe;
@@ -143,9 +145,9 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
 }
 
 // Returns the share of the normal map, which is one more lobe in files whose finest stored level L = multum:firstLevel
-// is not 0. The lobe maps begin at L; the levels finer than L come from the normal map. Its mips must be averages of
-// unit vectors that keep their length (a float or snorm texture with x, y and z, or an unsigned one decoded after
-// filtering). That length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
+// is not 0. The lobe maps begin at L; the levels finer than L come from the normal map. The mips of the normal map must
+// be averages of unit vectors that keep their length (a float or snorm texture with x, y and z, or an unsigned one
+// decoded after filtering). That length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
 //
 //     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
 //     float share = multum_normal_map_share(lod);

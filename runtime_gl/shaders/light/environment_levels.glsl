@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the highlight of a lobe under an environment from mips of the environment, each convolved with a vMF
 // (host/formats/light/prefiltered_levels.h). A term of the facets convolved with the lobe has kappa = A^-1(|r|
-// A(lambda)) around mu. Its half vectors are split into 3 x 3 narrower lobes. Such narrow parts can represent light
-// that is compressed or stretched at grazing angles, and light that is cut off at the horizon. Each lobe reflects to
-// its own direction with dl = 4 (v.h) dh. Each lobe reads the two levels next to its spread, mixed so that they give
+// A(lambda)) around mu. The half vectors of a term are split into 3 x 3 narrower lobes. Such narrow parts can represent
+// light that is compressed or stretched at grazing angles, and light that is cut off at the horizon. Each lobe reflects
+// to its own direction with dl = 4 (v.h) dh. Each lobe reads the two levels next to its spread, mixed so that they give
 // its mean cosine. The reflection table gives the total amount of light. Using one lobe instead of nine raises the
 // error from 6.6 % to 9.3 % under blender_city (docs/contributing/ALGORITHMS.md, "Environments"). Narrow lobes are not
 // split, because the levels cannot resolve the parts.

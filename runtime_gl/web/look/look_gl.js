@@ -72,7 +72,7 @@ void main() {
   o_colour = vec4(look_shaded(v_st, to_world, v_position, v), 1.0);
 }`;
 
-// One normal and roughness per texel, filtered as an engine does.
+// Shades one normal and one roughness per texel, filtered as in an engine.
 const ONE_NORMAL = `
 uniform sampler2D u_material;
 struct MultumSurface { vec3 n; };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL that the add-on inserts into the fragment shaders of MeshStandardMaterial and MeshPhysicalMaterial. It uses
-// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, such as RE_Direct,
+// GLSL that the add-on inserts into the fragment shaders of MeshStandardMaterial and MeshPhysicalMaterial. The GLSL
+// uses multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, such as RE_Direct,
 // after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions that
 // add up over lobes. Lobes are converted to view space, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
@@ -179,7 +179,7 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 
 // Decides how to spend a pixel's evaluations, by the spread of all normals about it, one level finer than its own. Four
 // neighbouring pixels share derivatives and must read textures together, because the lookups need these derivatives.
-// They use one place between them, so that all four decide in the same way.
+// These pixels use one place between them, so that all four decide in the same way.
 void multum_decide() {
 #if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
@@ -200,8 +200,8 @@ void multum_decide() {
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
 // Reads all other maps over a point's part of the pixel. If evaluations are spent on lobes, there are fewer points. A
-// point's maps are then means over several places, so that the number of places stays the same. They are read with the
-// point's first lobe.
+// point's maps are then means over several places, so that the number of places stays the same. The maps are read with
+// the point's first lobe.
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
   if (multum_maps_are_read) return multum_read_maps[number];
   ivec2 points = multum_points(), places = MULTUM_POINTS / points;

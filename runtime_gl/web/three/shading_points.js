@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the fragment shader of a physical material shade several points per pixel, each over its part of the footprint.
-// Their light is averaged before tone mapping. three.js's own text becomes the body of a loop; interpolated values are
-// moved to each point.
+// The light of the points is averaged before tone mapping. three.js's own text becomes the body of a loop; interpolated
+// values are moved to each point.
 
 /** Returns `text` with `from` replaced by `to`. Throws Error if `text` does not contain `from`. */
 export function replaced(text, from, to, revision) {

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// The request is answered with status 507, because there may be room later. It has had no effect.
+/// The request is answered with status 507, because there may be room later. The refused request has no effect.
 class NoSpaceError : public Error {
  public:
   using Error::Error;

@@ -154,7 +154,8 @@ std::string StagedResult::publish(const std::string& identity) const {
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: the finished result is neither at this path nor in {}", output_, staging_));
   }
-  // Empties the staging folder even if another step fails: otherwise the next attempt would resume from its contents.
+  // Empties the staging folder even if another step fails, because otherwise the next attempt would resume from its
+  // contents.
   const int sync_error = ::fsync(folder) == 0 ? 0 : errno;
   const std::string kept = staging.is_open() ? put_aside(staging) : "";
   remove();

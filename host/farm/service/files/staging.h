@@ -43,8 +43,8 @@ class StagedResult {
   StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id,
                ResultSeal seal);
 
-  /// Identity of the staged result. It is empty if there is no result, or if it is a link. Throws Error(kEnvironment)
-  /// if another user's file is in the place of the staging folder.
+  /// Identity of the staged result. The identity is empty if there is no result, or if the result is a link. Throws
+  /// Error(kEnvironment) if another user's file is in the place of the staging folder.
   std::string identity() const;
   /// Throws Error(kUsage) when the result must not replace the existing entry: a folder that contains more than an
   /// unchanged result of multum, a file in the place of a folder, or a folder in the place of a file.

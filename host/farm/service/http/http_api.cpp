@@ -606,8 +606,8 @@ std::string bearer_token(const std::string& field) {
   return begin == std::string::npos ? "" : field.substr(begin);
 }
 
-// A page from elsewhere must not control the service through a browser on this machine. It could try a form or script
-// of another origin, or a host name whose owner points it to this machine (DNS rebinding).
+// A page from elsewhere must not control the service through a browser on this machine. Such a page could try a form or
+// script of another origin, or a host name whose owner points it to this machine (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;

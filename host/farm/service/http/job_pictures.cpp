@@ -38,8 +38,8 @@ constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // children have a lower priority than jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
-// The page contains all its data. It may run its own script and save paths, but has no origin, so malicious data in the
-// page can reach neither the service nor a token.
+// The page contains all its data. The page may run its own script and save paths, but it has no origin. Malicious data
+// in the page can therefore not reach the service or a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
@@ -133,7 +133,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
   std::string file_name = job.result_identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
   const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, view.folder_ending);
-  // This is a named variable because GCC 12 destroys a temporary twice if it is made in braces within a co_await.
+  // The variable has a name, because GCC 12 destroys a temporary twice if it is made in braces within a co_await.
   Request request{std::move(job), folder, view};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};

@@ -92,8 +92,8 @@ std::size_t ResultArchive::memory() const {
   return bytes;
 }
 
-// A pax header comes before the ustar header. It holds values that do not fit into the ustar header, and names, because
-// the ustar header does not state their encoding.
+// A pax header comes before the ustar header. The pax header holds values that do not fit into the ustar header, and
+// names, because the ustar header does not state their encoding.
 std::string ResultArchive::header(const File& file) const {
   const std::string name = name_ + "/" + file.path;
   const auto [size, nanoseconds] = size_and_time(file.state);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes an archive of a folder of results for download: pax interchange format (POSIX.1-2001), which tar, bsdtar and
 // Python's tarfile read. The archive is made piece by piece while it is sent, and is stored neither in memory nor on
-// disk. It contains only the files in .multum-result, read beneath the folder's descriptor. If a file has changed since
-// it was published, there is no archive.
+// disk. The archive contains only the files in .multum-result, read beneath the folder's descriptor. If a file has
+// changed since it was published, there is no archive.
 #pragma once
 
 #include <string>

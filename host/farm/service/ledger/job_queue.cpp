@@ -66,8 +66,8 @@ void JobQueue::take_numbers() {
 
 void JobQueue::reserve(std::int64_t id) {
   if (numbers_.empty() || id <= reserved_) return;
-  // The file is not synced. It is needed only if the ledger is lost, and it need not survive a power cut at the same
-  // time.
+  // The file is not synced. The file is needed only if the ledger is lost, and it need not survive a power cut at the
+  // same time.
   const std::int64_t last = id + kReservedAtOnce - 1;
   const std::string fresh = numbers_ + ".new";
   std::ofstream file(fresh);
@@ -563,8 +563,8 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
       continue;
     }
     const bool is_slurm = keeps_slurm && is_slurm_owner(job.owner);
-    // A job that was told to stop is cancelled here, because no process would stop it. Its task at Slurm is cancelled
-    // later as unknown.
+    // A job that was told to stop is cancelled here, because no process would stop it. The job's task at Slurm is
+    // cancelled later as unknown.
     if (is_slurm && slurm_.has_sent(id, job.attempt) && job.stop_asked.empty()) {
       recovered.with_slurm.push_back(job);
       continue;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the ledger of jobs. It keeps every accepted job until the job is purged, and lets each result be published
-// only once. The ledger is pure state: it starts nothing, waits for nothing, and gets the time from its caller. Only
-// one thread uses it (queue_thread.h).
+// Defines the ledger of jobs. The ledger keeps every accepted job until the job is purged, and lets each result be
+// published only once. The ledger is pure state: it starts nothing, waits for nothing, and gets the time from its
+// caller. Only one thread uses it (queue_thread.h).
 #pragma once
 
 #include <functional>
@@ -137,7 +137,8 @@ class JobQueue {
   std::vector<JobAttempt> attempts(std::int64_t id);
   /// Counts jobs by queue and state: "default" -> {queued -> 12, ...}.
   std::map<std::string, std::map<JobState, std::int64_t>> counts();
-  /// Returns jobs that succeeded with this key, the newest first. Their outputs may have changed since then.
+  /// Returns jobs that succeeded with this key, the newest first. The outputs of these jobs may have changed since
+  /// then.
   std::vector<Job> succeeded_with_key(const std::string& key);
   void set_reused_from(std::int64_t id, std::int64_t from);
 

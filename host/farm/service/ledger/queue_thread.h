@@ -19,7 +19,8 @@ namespace multum {
 
 class QueueThread {
  public:
-  /// May throw; its changes are then undone. It may run again if its changes were undone together with other work.
+  /// May throw; its changes are then undone. The work may run again if its changes were undone together with other
+  /// work.
   using Work = std::function<void(JobQueue&)>;
   using Done = std::function<void(std::exception_ptr)>;     // called after the commit, through `post`; null means
                                                             // success

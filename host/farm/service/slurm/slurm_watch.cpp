@@ -226,7 +226,7 @@ SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmT
   if (!part.gone) part.gone = now;
   if (batch.is_revoked && (task == nullptr || task->state != kCompleting))
     return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // Its last files may not be visible here yet.
+  // The last files of the part may not be visible here yet.
   if (now - *part.gone < settings_.slurm.visible) return Fate::kGoesOn;
   if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
   // No task has begun the part, so the part is not the cause. A merge finds out by itself which shares are missing.

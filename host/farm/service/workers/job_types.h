@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines the types of jobs, which the program that runs the farm registers. Each type has a row and a table of
-// parameters. These determine the requests that the web interface accepts, the options of `multum jobs submit`, and the
-// command line of a worker. They also determine the files that the idempotency key covers, and the views of a result.
+// parameters. The row and the table determine the requests that the web interface accepts, the options of `multum jobs
+// submit`, and the command line of a worker. The row and the table also determine the files that the idempotency key
+// covers, and the views of a result.
 #pragma once
 
 #include <atomic>

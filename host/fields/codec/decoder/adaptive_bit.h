@@ -15,7 +15,8 @@ namespace multum {
 
 class AdaptiveBit {
  public:
-  /// Returns the probability of a 1, in units of 1/65536. It is 32 to 65504, so that no symbol costs more than 11 bits.
+  /// Returns the probability of a 1, in units of 1/65536. The probability is 32 to 65504, so that no symbol costs more
+  /// than 11 bits.
   std::uint32_t probability() const {
     return std::clamp<std::uint32_t>((std::uint32_t{fast_} + slow_) / 2, kLeast, 65536 - kLeast);
   }
@@ -31,8 +32,8 @@ class AdaptiveBit {
   static constexpr std::size_t kFastCount = 20, kSlowCount = 160;  // most symbols that each average covers
 
   /// Entry n is ceil(2^26 / (2 n + 3)). Entry n times x, divided by 2^26 and rounded down, equals x / (2 n + 3) rounded
-  /// down for x up to 131070. This is exact because an entry exceeds the exact quotient by less than 1, and 131070 *
-  /// 323 is below 2^26. The table avoids divisions, which would take a third of the decoding time.
+  /// down for x up to 131070. The result is exact, because an entry exceeds the exact quotient by less than 1, and
+  /// 131070 * 323 is below 2^26. The table avoids divisions, which would take a third of the decoding time.
   static constexpr auto kReciprocals = [] {
     std::array<std::uint64_t, kSlowCount + 1> table{};
     for (std::size_t n = 0; n < table.size(); ++n) table[n] = ((std::uint64_t{1} << 26) + 2 * n + 2) / (2 * n + 3);

@@ -53,8 +53,8 @@ class BitMixer {
   }
 
  private:
-  // Weights in 1/65536. Their sum starts above 1, because contexts that agree are right more often than each one
-  // predicts.
+  // Weights in 1/65536. The sum of the weights starts above 1, because contexts that agree are right more often than
+  // each one predicts.
   std::array<std::int32_t, kInputsMax> weights_{26000, 26000, 26000, 26000};
 };
 

@@ -21,7 +21,8 @@ class RangeDecoder {
     if (exhausted_) return false;
     // Size of the part of the interval, at its beginning, that stands for 1.
     const std::uint32_t bound = (range_ >> 16) * probability;
-    // Untrusted bytes may give a number beyond the interval. It is replaced by the last number in the interval.
+    // Untrusted bytes may give a number beyond the interval. Such a number is replaced by the last number in the
+    // interval.
     if (code_ >= range_) code_ = range_ - 1;
     const bool bit = code_ < bound;
     if (bit && unknown_ >= bound - code_) {

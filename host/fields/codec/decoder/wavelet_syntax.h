@@ -4,8 +4,8 @@
 // the coefficients found in earlier planes. The first pass descends a quadtree over each band. A node is significant if
 // a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image
 // coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours and three nodes at
-// the same place: in the next coarser band, in the coarser image of the pyramid over parameters, and in luma. This is
-// similar to embedded zero-block coding (Hsiang and Woods 2000).
+// the same place: in the next coarser band, in the coarser image of the pyramid over parameters, and in luma. These
+// contexts are similar to embedded zero-block coding (Hsiang and Woods 2000).
 #pragma once
 
 #include <algorithm>

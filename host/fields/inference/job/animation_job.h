@@ -48,7 +48,7 @@ struct AnimationTexture {
 };
 
 struct AnimationObject {
-  std::string name;                 // name, also of the textures' folder
+  std::string name;                 // name of the object and of its textures' folder
   std::string mesh;                 // object of the geometry file
   std::string cryptomatte;          // name in the Cryptomatte manifest; if empty, `index` is used
   int index = 0;                    // number in object-index images, from 1; 0 if it has none

@@ -75,7 +75,7 @@ PixelBounds pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& it
 }
 
 // `share` has one value per corner; none is negative and the sum is positive. z/w and 1/w are linear on the screen,
-// also for an orthographic projection. Their quotient is a weighted mean of the corners' depths, so it stays in the
+// even for an orthographic projection. Their quotient is a weighted mean of the corners' depths, so it stays in the
 // range of these depths.
 void draw_pixel(const std::array<ScreenVertex, 3>& v, const std::array<std::int64_t, 3>& share, Item item,
                 std::size_t pixel, DepthBuffer* buffer) {

@@ -88,9 +88,9 @@ std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
   return middle;
 }
 
-// Returns whether visible triangles meet across the seam. This is so if vertices at one place have coordinates that
-// differ by whole periods in `direction` and are equal in the other direction. Places are compared with a tolerance of
-// a millionth of the object's size.
+// Returns whether visible triangles meet across the seam. Triangles meet there if vertices at one place have
+// coordinates that differ by whole periods in `direction` and are equal in the other direction. Places are compared
+// with a tolerance of a millionth of the object's size.
 bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   struct Corner {
     glm::dvec3 place;
@@ -166,7 +166,7 @@ glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   std::size_t count = 0;
   for (const VisiblePixels& pixels : scene.pixels) count += pixels.count;
   mean /= static_cast<double>(count);
-  // Cholesky: mean = R^T R with R upper triangular. Its element b is zero if the map must stay diagonal.
+  // Cholesky: mean = R^T R with R upper triangular. The element b of R is zero if the map must stay diagonal.
   glm::dmat2 start(0.0);
   start[0][0] = std::sqrt(mean[0][0]);
   start[1][0] = is_diagonal ? 0.0 : mean[1][0] / start[0][0];
@@ -185,8 +185,8 @@ struct Stretch {
 };
 
 // With B = d(texel)/d(pixel), the largest singular value of B^-1 is the reciprocal of the smallest singular value of B.
-// Its direction in texels is the left singular vector of B: the eigenvector of B B^T. The smallest singular value is
-// computed as |det B| divided by the largest one, which avoids cancellation.
+// The direction of this value in texels is the left singular vector of B, which is the eigenvector of B B^T. The
+// smallest singular value is computed as |det B| divided by the largest one, which avoids cancellation.
 Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
   Stretch stretch;
   double squared = 0.0;

@@ -41,7 +41,7 @@ struct VisiblePixels {
 
 VisiblePixels find_visible_pixels(const ObjectMesh& mesh, const MappingView& view);
 
-/// Returns the Jacobian d(u, v) / d(x, y) at a point of the screen, or nullopt if it does not exist. Its columns are
+/// Returns the Jacobian d(u, v) / d(x, y) at a point of the screen, or nullopt if it does not exist. The columns are
 /// the derivatives by x and by y.
 std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec2 screen);
 

@@ -143,7 +143,7 @@ class InferencePipeline {
       texture.history = std::move(solved.history);
       texels = std::move(solved.texels);
       for (float& value : texels) value = static_cast<float>(static_cast<double>(value) * job_.radiance_max);
-      // Rounds texels as the file does, so that a resumed run starts the next texture from the same values.
+      // Rounds texels to the values in the file, so that a resumed run starts the next texture from the same values.
       round_to_half(texels);
       write_texture(path, k, key, texture, texels);
     }
@@ -217,7 +217,7 @@ class InferencePipeline {
     return hash.finish();
   }
 
-  // Returns the texels of an earlier run with this key. They are empty if the texture must be inferred.
+  // Returns the texels of an earlier run with this key. The list is empty if the texture must be inferred.
   std::vector<float> texels_there(const std::string& path, const std::string& key) const {
     if (settings_.force || settings_.damaged.contains(path) || provenance_key(path) != key) return {};
     try {

@@ -43,7 +43,7 @@ struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Returns a box around the wholly covered pixels, with a margin, inside the picture. Its width is 0 if there are no
+/// Returns a box around the wholly covered pixels, with a margin, inside the picture. The width is 0 if there are no
 /// such pixels.
 PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 
@@ -51,7 +51,7 @@ PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 Png8Image srgb_image(const std::vector<float>& rgb, int width, int height);
 /// Returns |a - b| * kErrorScale, up to 255.
 Png8Image error_image(const Png8Image& a, const Png8Image& b);
-/// Returns the box of the picture with alpha. It is transparent where coverage is below kWholeCoverage.
+/// Returns the box of the picture with alpha. The picture is transparent where coverage is below kWholeCoverage.
 Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, const PixelBox& box);
 
 }  // namespace multum

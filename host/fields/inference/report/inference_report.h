@@ -23,7 +23,7 @@ struct InferenceReport {
 };
 
 /// One layer of an object, over all its textures. Mean squared errors are over all pixels of all samples, in 8-bit sRGB
-/// units. They are negative if there are no pixels.
+/// units. The errors are negative if there are no pixels.
 struct LayerSummary {
   std::size_t object = 0, layer = 0;
   int textures = 0;

@@ -15,9 +15,9 @@ namespace multum {
 namespace {
 
 constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
-// Number of partial sums. It is the same for every device, so that results do not depend on the device, and large
-// enough to keep a GPU busy. With 64 partial sums, an iteration on an H100 took 2.5 ms, but its products only 0.04 ms
-// (docs/evidence/GPU.md).
+// Number of partial sums. The number is the same for every device, so that results do not depend on the device, and
+// large enough to keep a GPU busy. With 64 partial sums, an iteration on an H100 took 2.5 ms, but its products only
+// 0.04 ms (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
 constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads uphill
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the linear system of texture inference on an OpenCL device (Hakura et al. 2000, section 3.2, eqs. 2-4, 6). It
-// has the stacked filter matrices of some views, with each row multiplied by the square root of its weight, and the
-// derived matrices.
+// Defines the linear system of texture inference on an OpenCL device (Hakura et al. 2000, section 3.2, eqs. 2-4, 6).
+// The system has the stacked filter matrices of some views, with each row multiplied by the square root of its weight,
+// and the derived matrices.
 #pragma once
 
 #include <array>
