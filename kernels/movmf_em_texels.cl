@@ -134,8 +134,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 #if MULTUM_VECTOR_WIDTH == 1
 // Runs EM of one texel with a team of MULTUM_TEAM work-items, for devices with more work-items than a step has texels.
 // Each member does one sample's E-step. Then each of the first 5 MULTUM_LOBES members adds the samples, in order, to
-// one sum of one lobe. Then each of the first MULTUM_LOBES members does one lobe's M-step. The bytes are those of
-// movmf_em_texels.
+// one sum of one lobe. Then each of the first MULTUM_LOBES members does one lobe's M-step. The kernel writes the same
+// bytes as movmf_em_texels.
 //
 //   samples   0 1 2 ... 63 | 64 65 ...          one block per turn of the team
 //   member    0 1 2 ... 63                      E-step: responsibilities and gaps of its sample, to local memory

@@ -11,8 +11,8 @@
 //
 // Dividing by the sum of the weights instead of by their number halves the number of steps; both are equal at
 // convergence (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet with a large slope
-// has little weight; it would dominate a covariance, but GGX has no finite covariance. The fit begins with the closed
-// form: m = 0 in the frame of the mean normal, and alpha_i^2 = alpha_0^2 + 1.75 lambda_i, where lambda_i are the
+// has little weight. In a covariance it would dominate, but GGX has no finite covariance. The fit begins with the
+// closed form: m = 0 in the frame of the mean normal, and alpha_i^2 = alpha_0^2 + 1.75 lambda_i, where lambda_i are the
 // eigenvalues of E[n n'] in the tangent plane. A Gaussian would have the factor 2; on real maps, 1.75 has the least
 // error.
 

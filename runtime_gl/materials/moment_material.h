@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines a baked file of moments on the GPU (docs/reference/file_format.md, "Moments"). The material has a texture of
 // the mean normal and the moment E[b_s b_t], a texture of the other slope moments, and a texture of colours if the file
-// has colours. The levels are those of the file. Textures of the normal map replace levels that the file does not
-// store.
+// has colours. The textures have the levels of the file. Textures of the normal map replace levels that the file does
+// not store.
 #pragma once
 
 #include <optional>

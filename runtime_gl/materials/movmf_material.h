@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines a baked file on the GPU: one texture (a r, a) per lobe, and one texture of premultiplied colours per lobe if
-// the file has colours. The levels are those of the file; trilinear filtering of these values is exact
+// the file has colours. The textures have the levels of the file. Trilinear filtering of their values is exact
 // (host/formats/asset/lobes/movmf_mipmap.h). Textures of the normal map replace levels that the file does not store
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once

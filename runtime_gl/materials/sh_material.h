@@ -2,7 +2,7 @@
 // Defines a baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): an
 // array of textures with four coefficients per layer. If the file has colours or weights of basis BRDFs, there are
 // textures of these too. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need
-// 20. The levels are those of the file. Textures of the normal map replace levels that the file does not store.
+// 20. The textures have the levels of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>

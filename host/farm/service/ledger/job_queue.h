@@ -119,7 +119,7 @@ class JobQueue {
   /// Retries all dead jobs of one queue or of all queues, except for jobs that retry() would refuse; the messages of
   /// these jobs give the reason. Returns all jobs that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
-  /// Marks jobs whose deadline has passed as dead. Returns the ids of these jobs, and of running jobs that must be
+  /// Marks jobs as dead if their deadline has passed. Returns the ids of these jobs, and of running jobs that must be
   /// stopped.
   struct Overdue {
     std::vector<std::int64_t> dead, running;

@@ -37,8 +37,8 @@ class QueueThread {
   /// Runs work, waits for it and rethrows its exception. Must not be called on the thread of `post`.
   void run_now(const Work& work);
   std::size_t pending() const;
-  /// Returns whether the ledger is no longer in its place. All changes then throw Error(kEnvironment) until the next
-  /// start.
+  /// Returns whether the ledger's file was removed or replaced. All changes then throw Error(kEnvironment) until the
+  /// next start.
   bool is_lost() const { return is_lost_; }
 
  private:

@@ -63,7 +63,7 @@ class ParameterGrid {
   int sample_at(const std::vector<int>& at) const;
 
   std::vector<AnimationParameter> parameters_;
-  std::vector<int> block_sizes_;  // block size along each parameter; if it has no blocks, its number of samples
+  std::vector<int> block_sizes_;  // block size along each parameter, or its number of samples if it has no blocks
   std::vector<int> block_counts_;
   int block_count_ = 1;
   std::vector<int> block_of_sample_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides an inference among processes that share the output folder. A share infers the textures of its pieces
 // (inference_pieces.h) and writes its findings to a record (host/foundation/base/share_record.h). A merge checks the
-// records of all shares and the hashes of their textures, and writes the manifest. The manifest is identical to that of
-// a single process.
+// records of all shares and the hashes of their textures, and writes the manifest. A single process would write the
+// same manifest.
 #pragma once
 
 #include "host/fields/inference/pipeline/inference_pipeline.h"
