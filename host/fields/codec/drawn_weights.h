@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights errors of textures by their visibility in the drawn picture. The filter matrix A of a pose contains the share
-// of each texel in each pixel, so a texture error e causes a squared error of |A e|^2 in the picture. The errors of
-// coded coefficients are nearly independent, so the squared error in the picture is a weighted sum over coefficients.
-// The weight of a coefficient with basis image b is |A b|^2. All weights of one frequency are measured together: its
-// basis images are drawn at once with random signs, and the squares of the pixels are distributed to the texels that
-// they show.
+// Computes weights for errors of textures from their visibility in the drawn picture. The filter matrix A of a pose
+// contains the share of each texel in each pixel, so a texture error e causes a squared error of |A e|^2 in the
+// picture. The errors of coded coefficients are nearly independent, so the squared error in the picture is a weighted
+// sum over coefficients. The weight of a coefficient with basis image b is |A b|^2. All weights of one frequency are
+// measured together: its basis images are drawn at once with random signs, and the squares of the pixels are
+// distributed to the texels that they show.
 #pragma once
 
 #include <cstdint>

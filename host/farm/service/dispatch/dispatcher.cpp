@@ -282,7 +282,7 @@ void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::v
 void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& outcome) {
   for (const std::string& owner : owners) reserved_.erase(owner);
   wake_at(outcome.due);
-  give_out(outcome.claimed);  // first, because nothing else can start a claimed job
+  give_out(outcome.claimed);  // comes first, because nothing else can start a claimed job
   if (slurm_) slurm_->flush();
   for (const Job& job : outcome.touched) events_.publish("job", job.id, job_text(job));
   end_drain_if_idle();
