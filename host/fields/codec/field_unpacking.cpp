@@ -173,7 +173,7 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
                                  .string();
   const std::string manifest_path = folder + "/" + kInferredManifestName;
   std::error_code error;
-  if (std::filesystem::exists(manifest_path, error))  // never overwrites the manifest of textures that took hours
+  if (std::filesystem::exists(manifest_path, error))  // a manifest whose textures took hours is never overwritten
     throw Error(ErrorCode::kUsage, manifest_path + ": already exists; unpack to a folder without this file");
   make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());

@@ -24,7 +24,7 @@ const std::vector<std::string> kKeys = {
     "upload_max", "retention_days", "data_max",       "upload_days",      "connections_max",  "request_memory_max",
     "queue",      "device",         "slurm"};
 
-// Parses "800M" or "2G", in the syntax of --memory.
+// Parses sizes such as "800M" or "2G", in the syntax of --memory.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();

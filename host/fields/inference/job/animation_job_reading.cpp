@@ -24,7 +24,7 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each sample has one or two files
-// Room for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
+// Enough for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
@@ -174,8 +174,8 @@ void read_cameras(const StrictTable& job_table, AnimationJob& job) {
   }
 }
 
-// All renders of a folder must have the same passes: if a pass is missing in the first sample's files, the job is an
-// error. Other files with different passes are errors when they are read.
+// All renders of a folder must have the same passes. If a pass is missing in the first sample's files, the job is
+// refused. If it is missing in another file, reading that file fails.
 void check_passes(const StrictTable& job_table, const AnimationJob& job) {
   const AnimationSample& sample = job.samples.front();
   const std::vector<std::string> channels = exr_channel_names(sample.radiance);

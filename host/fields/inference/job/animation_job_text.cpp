@@ -64,7 +64,7 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
 }
 
-// Writes only values that differ from `defaults`; with `with_comments`, everything.
+// Writes only values that differ from `defaults`, or all values if `with_comments` is set.
 std::string texture_text(const AnimationTexture& t, const AnimationTexture& defaults, bool with_comments) {
   std::string text;
   const auto line = [&](const char* key, const auto& value, bool is_default, const char* comment) {
